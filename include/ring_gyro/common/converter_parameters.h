@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ring_gyro/common/parameter_table.h"
+
+namespace ring_gyro {
+
+/// Clock of the converters and length of the blocks in which samples are handed on.
+struct ConverterParameters {
+  double sample_rate = 200e3;        ///< [Hz]
+  std::int64_t block_samples = 200;  ///< one block is one step of the loops
+
+  double samplePeriod() const { return 1.0 / sample_rate; }  ///< [s]
+  double blockDuration() const {                             ///< [s]
+    return static_cast<double>(block_samples) / sample_rate;
+  }
+  /// [ns]; throws std::invalid_argument when the block is not a whole number of nanoseconds.
+  std::int64_t blockDurationNanoseconds() const;
+
+  void declare(ParameterTable& table);
+};
+
+}  // namespace ring_gyro

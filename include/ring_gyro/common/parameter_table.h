@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace ring_gyro {
+
+/// Closed interval of allowed values; `above` makes the lower end open.
+struct Range {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+  bool lowest_excluded = false;
+
+  static Range any() { return {}; }
+  static Range atLeast(double lowest) { return {lowest, kInfinity, false}; }
+  static Range above(double lowest) { return {lowest, kInfinity, true}; }
+  static Range between(double lowest, double highest) { return {lowest, highest, false}; }
+
+  bool contains(double value) const;  ///< false for NaN and for infinities
+  std::string text() const;           ///< as a person reads it: "[0, 1]", "> 0"
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+};
+
+/// One parameter: the only place where its name, unit, range and meaning stand.
+/// Its default is the initialiser of the field that `target` points to.
+struct Parameter {
+  using Target = std::variant<double*, std::int64_t*, bool*, std::string*, std::vector<double>*>;
+
+  std::string key;
+  Target target;
+  std::string unit;                  ///< SI, "1" when dimensionless
+  Range range;                       ///< of numbers; of each element of a list
+  std::vector<std::string> choices;  ///< allowed texts; empty: any
+  std::string description;
+  bool required = false;  ///< it has no default: the configuration must name it
+};
+
+/// The parameters of one section of the configuration (one struct of the core).
+///
+/// Each core struct declares its fields here once; reading, checking, printing the reference page
+/// and writing a configuration file all work on the table.
+class ParameterTable {
+ public:
+  ParameterTable& number(std::string key, double& target, std::string unit, Range range,
+                         std::string description);
+  ParameterTable& requiredNumber(std::string key, double& target, std::string unit, Range range,
+                                 std::string description);
+  ParameterTable& integer(std::string key, std::int64_t& target, Range range,
+                          std::string description);
+  ParameterTable& flag(std::string key, bool& target, std::string description);
+  ParameterTable& text(std::string key, std::string& target, std::vector<std::string> choices,
+                       std::string description);
+  ParameterTable& numbers(std::string key, std::vector<double>& target, std::string unit,
+                          Range range, std::string description);
+
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+
+ private:
+  std::vector<Parameter> parameters_;
+};
+
+/// A section of the configuration: its name and its parameters.
+struct Section {
+  std::string name;
+  ParameterTable table;
+};
+using Sections = std::vector<Section>;
+
+}  // namespace ring_gyro

@@ -1,0 +1,12 @@
+#pragma once
+
+/// Marks a function to be compiled for several vector widths, the best one of the machine being
+/// chosen when the program starts. Kernels so marked must do the same operations on each element
+/// whatever the width (sums over fixed lanes, no contraction to fused multiply-add), so that the
+/// results are the same to the last bit on every machine.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define RING_GYRO_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define RING_GYRO_VECTOR_CLONES
+#endif

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+
+namespace ring_gyro {
+
+/// Loops over the samples of a block, the only code that runs at the converter rate. Each gives the
+/// same bits whatever the vector width of the machine (see vector_dispatch.h).
+
+/// Lengths handed to the kernels are multiples of this: two of the widest registers, so that one
+/// can be worked on while the other's result is on its way.
+constexpr std::size_t kKernelLanes = 16;
+constexpr std::size_t paddedToLanes(std::size_t count) {
+  return (count + kKernelLanes - 1) / kKernelLanes * kKernelLanes;
+}
+
+/// out[j] = Re[(cosine[j] + i sine[j]) sum_k (real[k] + i imaginary[k]) share[j]^k].
+void samplePhasorSeries(const double* real, const double* imaginary, int terms, const double* share,
+                        const double* cosine, const double* sine, std::size_t count, double* out);
+
+/// mixed_x_real[j] + i mixed_x_imaginary[j] = x[j] e^{-i (phase + step j)}, and the same of y.
+void mixDown(const double* x, const double* y, double phase, double step, std::size_t count,
+             double* mixed_x_real, double* mixed_x_imaginary, double* mixed_y_real,
+             double* mixed_y_imaginary);
+
+/// Sum of weights[j] values[j], over kKernelLanes partial sums.
+double weightedSum(const double* weights, const double* values, std::size_t count);
+
+}  // namespace ring_gyro

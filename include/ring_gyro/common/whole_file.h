@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string>
+
+namespace ring_gyro {
+
+/// Writes a text file whole or not at all: beside its place first, then renamed.
+/// Throws std::runtime_error naming the file and the reason.
+void writeWholeFile(const std::string& path, const std::string& text);
+
+}  // namespace ring_gyro

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "ring_gyro/common/parameter_table.h"
+#include "ring_gyro/control/control_gains.h"
+#include "ring_gyro/identification/parameter_estimate.h"
+
+namespace ring_gyro {
+
+struct InjectorParameters {
+  double natural_frequency = 0.0;   ///< f0, as the identifier was told [Hz]
+  double quality_factor = 0.0;      ///< Q, as the identifier was told
+  bool enabled = true;              ///< at the start
+  double start_after = 0.0;         ///< of data used, before compensation begins [s]
+  double gamma_sigma_limit = 2e-4;  ///< opens the gate
+  double gamma_limit = 0.15;        ///< largest |gamma| that is ever compensated
+  double ramp_rate = 0.05;          ///< of gamma towards its target [1/s]
+
+  void declare(ParameterTable& table);
+};
+
+/// What the injector is doing, for people and for the latched status.
+enum class InjectorState : std::uint8_t {
+  kDisabled = 0,  ///< switched off: ramping to or at zero
+  kWaiting = 1,   ///< estimate not good enough yet
+  kTracking = 2,  ///< following the estimate
+  kHolding = 3,   ///< frozen by request
+  kLimited = 4,   ///< the estimate is beyond gamma_limit: not followed
+};
+
+const char* toString(InjectorState state);
+
+/// A decision, valid from the drive of block `effective_sequence` until the next one.
+struct CompensationDecision {
+  std::uint32_t session = 0;
+  std::uint64_t effective_sequence = 0;
+  std::uint64_t data_sequence = 0;  ///< last block of the estimate it came from
+  DampingCompensation gains;
+  double gamma1 = 0.0;  ///< that the gains cancel, given the estimate of ks
+  double gamma2 = 0.0;
+  InjectorState state = InjectorState::kWaiting;
+};
+
+/// Decides what compensation to apply: one decision per estimate, a period ahead, so that it does
+/// not matter how fast the machines are. Equation (35) with its sign corrected: the drive
+/// 2 xi0 w0 / ks [[g1, g2], [g2, -g1]] v cancels the damping mismatch (g1, g2).
+///
+/// The first of these that holds decides, each leaves the gains where they are unless said:
+/// disabled - ramp to zero; on hold; gate shut (not converged, sigma of a gamma too large,
+/// start_after not over, or an estimate that is not finite) - waiting; |gamma| beyond gamma_limit -
+/// limited; otherwise ramp towards the estimated gamma, with the estimated ks. A new session begins
+/// at zero; enabled and hold outlast it.
+class CompensationInjector {
+ public:
+  /// `period_blocks`: of the identifier. Throws std::invalid_argument naming what cannot be used.
+  CompensationInjector(const InjectorParameters& parameters, std::int64_t period_blocks);
+
+  CompensationDecision decide(const ParameterEstimate& estimate);
+
+  void setEnabled(bool enabled) { enabled_ = enabled; }
+  void setHold(bool hold) { hold_ = hold; }
+  /// Back to zero compensation at once, waiting for the gate again.
+  void reset();
+
+ private:
+  bool gateOpen(const ParameterEstimate& estimate) const;
+  void rampTowards(double gamma1, double gamma2, double duration);
+
+  InjectorParameters parameters_;
+  double damping_;  // 2 xi0 w0 [1/s]
+  std::int64_t period_blocks_;
+  bool enabled_;
+  bool hold_ = false;
+  bool begun_ = false;
+  std::uint32_t session_ = 0;
+  double gamma1_ = 0.0;
+  double gamma2_ = 0.0;
+  double drive_gain_ = 0.0;  // that gamma1_ and gamma2_ are turned into gains with; 0: none yet
+};
+
+}  // namespace ring_gyro

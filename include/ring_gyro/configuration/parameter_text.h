@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "ring_gyro/common/parameter_table.h"
+
+namespace ring_gyro {
+
+/// The number that `text` wholly is, written with digits, point and exponent, or as nan, inf or
+/// YAML's .nan, .inf (then not finite); nothing when it is something else. Whatever the locale.
+std::optional<double> numberFromText(const std::string& text);
+
+/// The shortest decimal text that reads back as the same number.
+std::string textFromNumber(double value);
+
+/// Why `text` cannot be the value of `parameter`, empty when it can and has been stored.
+std::string storeText(const Parameter& parameter, const std::string& text);
+
+/// What a value may be, as a person reads it: "[0, 1] [rad/s]", "one of: a, b".
+std::string allowedText(const Parameter& parameter);
+
+/// Present value of the target, as the configuration file would have it.
+std::string valueText(const Parameter& parameter);
+
+}  // namespace ring_gyro

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/control/control_gains.h"
+#include "ring_gyro/control/control_parameters.h"
+#include "ring_gyro/control/drive_synthesis.h"
+#include "ring_gyro/control/lock_detector.h"
+#include "ring_gyro/control/loop_filter.h"
+#include "ring_gyro/control/pattern_feedforward.h"
+#include "ring_gyro/demodulation/demodulator.h"
+#include "ring_gyro/demodulation/orbital_elements.h"
+#include "ring_gyro/resonator/displacement_block.h"
+#include "ring_gyro/resonator/drive_command.h"
+
+namespace ring_gyro {
+
+/// What one displacement block leads to.
+struct LoopOutput {
+  OrbitalElements elements;
+  ControlGains gains;
+  DriveCommand command;
+};
+
+/// Demodulation and the four loops of a whole-angle gyroscope: phase (PLL), amplitude, quadrature
+/// and precession steering; one step a block.
+///
+/// From rest it drives along x with the limit until there is an orbit to control, then closes the
+/// loops; when the orbit is lost it begins again. Samples that are not finite, or blocks that are
+/// missing, make it coast: the last drive goes on, nothing is learnt from them, the status says so.
+class ControlLoops {
+ public:
+  /// Throws std::invalid_argument naming what cannot be used.
+  ControlLoops(const ControlParameters& control, const DemodulationParameters& demodulation,
+               const ConverterParameters& converter);
+
+  /// One block in, everything out. The reference is good until the next call.
+  const LoopOutput& process(const DisplacementBlock& block);
+
+  /// Damping compensation from the next command on.
+  void setCompensation(const DampingCompensation& compensation) { compensation_ = compensation; }
+  /// Steering from the next command on, once locked: acts as a rotation k Om of this [rad/s].
+  void setVirtualRate(double virtual_rate) { virtual_rate_ = virtual_rate; }
+
+  double groupDelay() const { return demodulator_.groupDelay(); }
+
+ private:
+  struct ActedDrive {
+    std::uint64_t answers_sequence = 0;
+    bool known = false;
+    ControlGains gains;
+    bool saturated = false;
+  };
+  static constexpr std::size_t kDriveMemory = 64;
+
+  bool samplesUsable(const DisplacementBlock& block) const;
+  bool contiguous(const BlockStamp& stamp) const;
+  void measure(const Eigen::Vector2cd& envelope, double period);
+  void recallActedDrive(const DisplacementBlock& block);
+  void command(const DisplacementBlock& block);
+  DriveGains closeLoops(double theta);
+
+  ControlParameters parameters_;
+  ConverterParameters converter_;
+  Demodulator demodulator_;
+  AngleUnwrapper unwrapper_;
+  LoopFilter phase_loop_;
+  LoopFilter amplitude_loop_;
+  LoopFilter quadrature_loop_;
+  PatternFeedforward frequency_feedforward_;
+  PatternFeedforward quadrature_feedforward_;
+  LoopGains angle_tracker_gains_;
+  LockDetector amplitude_lock_;
+  LockDetector quadrature_lock_;
+  LockDetector phase_lock_;
+  std::int64_t blocks_to_settle_ = 0;
+  BlockStamp last_stamp_;
+  double lead_;  // from where elements are valid to the middle of the drive they lead to [s]
+  double tracked_theta_ = 0.0;
+  double theta_rate_ = 0.0;
+  bool orbit_found_ = false;
+  bool was_locked_ = false;
+  double virtual_rate_ = 0.0;
+  double frequency_;
+  DampingCompensation compensation_;
+  std::array<ActedDrive, kDriveMemory> drives_;
+  LoopOutput output_;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "ring_gyro/common/parameter_table.h"
+
+namespace ring_gyro {
+
+/// Natural frequency [Hz] and damping ratio of a closed loop; the gains follow from the model.
+struct LoopTuning {
+  double bandwidth = 20.0;
+  double damping = 1.0;
+};
+
+struct ControlParameters {
+  double natural_frequency = 0.0;  ///< what the NCO starts from [Hz]
+  double quality_factor = 0.0;     ///< for the loop gains
+  double drive_gain = 0.0;         ///< ks as the loops assume it [1/s^2]
+  double frequency_offset = 0.0;   ///< of the NCO at the start [Hz]
+  double amplitude = 1.0;          ///< setpoint of a [V]
+  double drive_limit = 10.0;       ///< amplitude per axis [V]
+  double frequency_range = 200.0;  ///< how far the NCO may go from where it starts [Hz]
+  double virtual_rate = 0.0;       ///< steering once locked, acts as a rotation k Om [rad/s]
+  double hold_delay = 0.0;         ///< of the drive, corrected in its phase [s]
+  double hold_gain = 1.0;          ///< of the drive, corrected in its amplitude
+  LoopTuning phase_loop;
+  LoopTuning amplitude_loop;
+  LoopTuning quadrature_loop;
+  LoopTuning angle_tracker;
+  double learning_rate = 0.3;       ///< of the swings with the pattern angle; 0: off [1/s]
+  double compensated_gamma1 = 0.0;  ///< damping mismatch that is compensated from the start
+  double compensated_gamma2 = 0.0;  ///< the same across the axes
+  bool compensation = false;        ///< wait for and apply the injector's decisions
+
+  void declare(ParameterTable& table);
+};
+
+}  // namespace ring_gyro

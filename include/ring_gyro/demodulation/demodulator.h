@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/parameter_table.h"
+#include "ring_gyro/resonator/displacement_block.h"
+
+namespace ring_gyro {
+
+struct DemodulationParameters {
+  /// Rejection asked at twice the reference frequency [dB].
+  double stopband_attenuation = 120.0;
+
+  void declare(ParameterTable& table);
+};
+
+/// Low-pass of the demodulator: a moving average over one block, whose zeros fall on all that would
+/// alias onto DC, convolved with a Kaiser window that rejects twice the reference frequency.
+/// Unit gain at DC, symmetric. `frequency`: lowest reference frequency [Hz].
+/// Throws std::invalid_argument when the attenuation cannot be had at this sample rate.
+std::vector<double> demodulationFilter(const ConverterParameters& converter, double frequency,
+                                       double attenuation);
+
+/// Gain |H| of a filter at `frequency` [Hz] for samples at `sample_rate` [Hz].
+double filterGain(const std::vector<double>& taps, double frequency, double sample_rate);
+
+/// Orthogonal demodulation (25): samples to the envelope X = Cx - i Sx, Y = Cy - i Sy, one a block.
+class Demodulator {
+ public:
+  /// `frequency`: nominal reference frequency [Hz].
+  Demodulator(const DemodulationParameters& parameters, const ConverterParameters& converter,
+              double frequency);
+
+  /// Envelope [V] valid at the block's end less groupDelay().
+  /// Samples must be finite and of the configured count.
+  Eigen::Vector2cd process(const DisplacementBlock& block);
+  void reset();
+  /// Blocks after a reset whose envelopes are not valid yet.
+  std::int64_t settlingBlocks() const;
+
+  /// From the end of a block back to where its envelope is valid [s].
+  double groupDelay() const;
+  const std::vector<double>& taps() const { return taps_; }
+
+ private:
+  ConverterParameters converter_;
+  std::vector<double> taps_;
+  std::size_t samples_;          // of a block
+  std::size_t history_;          // mixed samples kept, as many as there are weights
+  std::vector<double> weights_;  // taps, zeros before them
+  std::vector<double> x_;        // a block, padded to whole lanes
+  std::vector<double> y_;
+  std::array<std::vector<double>, 4> mixed_;  // Re X, Im X, Re Y, Im Y of the last sample times
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/parameter_table.h"
+#include "ring_gyro/control/control_gains.h"
+#include "ring_gyro/identification/averaged_model.h"
+#include "ring_gyro/identification/interval_filter.h"
+#include "ring_gyro/identification/parameter_estimate.h"
+
+namespace ring_gyro {
+
+struct IdentificationParameters {
+  double natural_frequency = 0.0;  ///< f0 [Hz]
+  double quality_factor = 0.0;     ///< Q
+  double update_period = 0.1;      ///< whole blocks [s]
+  /// derived: from the figures below; paper: the Q and R printed in section 6 of the paper, for
+  /// each period, instead of the noise and random walks below.
+  std::string tuning = "derived";
+  double noise_density = 5e-6;       ///< of the displacement samples, one-sided [V/sqrt(Hz)]
+  double axis_process_noise = 2e-6;  ///< of a' and b' [V/sqrt(s)]
+  double initial_gamma_sigma = 0.1;
+  double initial_mu_sigma = 1e-4;
+  double initial_drive_gain_sigma = 0.5;  ///< relative
+  double gamma_walk = 0.0;                ///< random walk [1/sqrt(s)]
+  double mu_walk = 0.0;                   ///< random walk [1/sqrt(s)]
+  double drive_gain_walk = 0.0;           ///< random walk, relative [1/sqrt(s)]
+  double converged_gamma_sigma = 1e-4;    ///< rule of `converged`
+  double converged_mu_sigma = 1e-8;
+  double converged_drive_gain_sigma = 5e-4;   ///< relative
+  double converged_angle = 3.14159265358979;  ///< span of theta that must have been seen [rad]
+
+  void declare(ParameterTable& table);
+};
+
+/// The extended Kalman filter (1)-(5),(29)-(33) on the averaged model, fed block by block.
+///
+/// Both kinds of input belong to the same block (see PairMerge). Elements are valid a group delay
+/// before the block's end; the inputs that acted between two valid times are taken from the blocks
+/// they acted in, splitting the step where the delay is not whole blocks. Each period's mean of a
+/// and b is one measurement of everything in that period (IntervalFilter). Periods end where
+/// (sequence + 1) is a multiple of the period, whenever the identifier was started.
+///
+/// A block can be used when its status says so, its numbers are finite, its stamp follows the one
+/// before by exactly one block, and all of the demodulator's memory (twice the group delay) holds
+/// such blocks. Any other block, or a missing one, breaks the chain: its period gives no update, a
+/// and b start afresh from the next complete period, the parameters stay.
+/// The first complete period only sets the scale of ks, by the balance of drive and damping.
+/// While the parameters are so uncertain that the orbit predicted over a period would leave the
+/// range in which the model is linear (the first second or so), each block is an update of its own,
+/// and stays one if its period breaks later.
+class Identifier {
+ public:
+  /// Throws std::invalid_argument naming what cannot be used.
+  Identifier(const IdentificationParameters& parameters, const ConverterParameters& converter);
+
+  /// The next block; returns an estimate at each period's end, updated or not. Elements and gains
+  /// must carry the same session and sequence, otherwise the block is rejected. A new session, or a
+  /// sequence that does not grow, starts afresh. Does not allocate.
+  std::optional<ParameterEstimate> process(const OrbitalElements& elements,
+                                           const ControlGains& gains);
+
+  std::int64_t periodBlocks() const { return period_blocks_; }
+  std::uint64_t restarts() const { return restarts_; }
+
+ private:
+  // What later blocks need of a block: where the orbit was, and what drove it.
+  struct Block {
+    Orbit orbit;
+    Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();
+    double reference_phase = 0.0;  // at its start
+    double reference_frequency = 0.0;
+  };
+  static constexpr std::size_t kMemory = 64;
+
+  void restart(const BlockStamp& stamp);
+  void skipLost(const BlockStamp& stamp);
+  bool admit(const OrbitalElements& elements, const ControlGains& gains);
+  bool setDelay(double group_delay, double duration);
+  const Block& block(std::uint64_t sequence) const { return memory_[sequence % kMemory]; }
+  void gather(std::uint64_t sequence, double duration, bool first_of_period);
+  void propagate(std::uint64_t sequence, double duration);
+  void breakChain();
+  ParameterEstimate finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation);
+  bool setScale();
+  bool converged(const ParameterEstimate& estimate) const;
+
+  IdentificationParameters parameters_;
+  AveragedModel model_;
+  IntervalFilter filter_;
+  std::int64_t period_blocks_;
+  double period_;
+  std::int64_t block_duration_ns_;
+  double sample_sigma_;  // of a or b in one block [V]
+
+  std::array<Block, kMemory> memory_;
+  double group_delay_ = -1.0;        // of the present run of usable blocks [s]
+  std::uint64_t whole_delay_ = 0;    // blocks in it
+  double rest_of_delay_ = 0.0;       // what is left of it [s]
+  std::uint64_t filter_memory_ = 1;  // blocks that go into an element
+  std::uint64_t usable_run_ = 0;     // usable blocks without a break up to now
+
+  bool started_ = false;
+  BlockStamp last_stamp_;
+  std::uint64_t first_sequence_ = 0;
+  std::uint64_t used_ = 0;
+  std::uint64_t rejected_ = 0;
+  std::uint64_t lost_ = 0;
+  std::uint64_t restarts_ = 0;
+
+  bool scaled_ = false;     // ks has its scale, the filter runs
+  bool chained_ = false;    // the filter's a and b are those at the end of the last period
+  bool complete_ = false;   // the present period has had nothing but usable blocks
+  bool by_blocks_ = false;  // the present period is filtered block by block
+  IntervalUpdate update_;   // the last one of the present period
+  std::uint64_t blocks_in_period_ = 0;
+  double amplitude_sum_ = 0.0;
+  double frequency_sum_ = 0.0;
+  double drive_sum_ = 0.0;
+  double lowest_theta_ = 0.0;
+  double highest_theta_ = 0.0;
+  double lowest_theta_in_period_ = 0.0;
+  double highest_theta_in_period_ = 0.0;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "ring_gyro/common/block_stamp.h"
+
+namespace ring_gyro {
+
+using StateVector = Eigen::Matrix<double, 7, 1>;
+using StateMatrix = Eigen::Matrix<double, 7, 7>;
+
+/// States of the identifier, equation (29).
+enum StateIndex { kA = 0, kB, kGamma1, kGamma2, kMu1, kMu2, kDriveGain };
+
+/// Result of one identifier period.
+struct ParameterEstimate {
+  BlockStamp stamp;                  ///< last block of the period
+  std::uint64_t first_sequence = 0;  ///< first block that the identifier saw in this session
+  std::uint64_t used_blocks = 0;     ///< since then
+  /// Not locked, saturated or invalid, or in the period of such a block. Used, rejected and lost
+  /// blocks add up to all from first_sequence to stamp.sequence.
+  std::uint64_t rejected_blocks = 0;
+  std::uint64_t lost_blocks = 0;  ///< gaps in the sequence
+  bool updated = false;           ///< whether this period's data entered the estimate
+  /// Units of (29). Zero, with the initial covariance, until the scale of ks has been found.
+  StateVector value = StateVector::Zero();
+  StateMatrix covariance = StateMatrix::Zero();
+  /// Of the mean a, b over the period [V]; of its last block while filtering block by block.
+  Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d innovation_covariance = Eigen::Matrix2d::Zero();  ///< [V^2]
+  double normalised_innovation_squared = 0.0;
+  double residual_gamma1 = 0.0;  ///< damping mismatch that the acting compensation leaves
+  double residual_gamma2 = 0.0;
+  double angle_covered = 0.0;  ///< span of theta seen [rad]
+  /// Every sigma below its limit and enough of the angle seen (IdentificationParameters).
+  bool converged = false;
+
+  double sigma(StateIndex index) const;  ///< standard deviation of a state
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+
+#include "ring_gyro/control/control_gains.h"
+#include "ring_gyro/logs/column_map.h"
+#include "ring_gyro/logs/log_rows.h"
+
+namespace ring_gyro {
+
+/// The drive that acted according to a log: its envelopes where they are logged, otherwise rebuilt
+/// by (28) from the gains or their voltages and the measured orbit.
+class LabDrive {
+ public:
+  /// `drive_gain`: ks as the lab's loops assumed it, for steering by a virtual rate [1/s^2].
+  LabDrive(const ColumnMap& map, std::optional<double> drive_gain);
+
+  /// Gains and drive of `target` from those of `row`, pointed along `orbit`.
+  /// Throws std::invalid_argument when the row steers and the drive gain is not known.
+  void rebuild(const LogRow& row, const Orbit& orbit, ControlGains& target) const;
+
+ private:
+  bool envelopes_;
+  std::optional<double> drive_gain_;
+};
+
+}  // namespace ring_gyro

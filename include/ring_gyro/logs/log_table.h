@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "ring_gyro/control/control_gains.h"
+
+namespace ring_gyro {
+
+/// Header of the table that LogImporter reads back to the same bits: the simplest form first
+/// (t, a, b, theta, phi, omega, beta, alpha, SI), then what else acted and the bookkeeping.
+std::string logHeader();
+/// Appends one row and its line end.
+void appendLogRow(const OrbitalElements& elements, const ControlGains& gains, std::string& text);
+
+}  // namespace ring_gyro

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ring_gyro/logs/unit.h"
+
+namespace ring_gyro {
+
+/// What a column of a log can mean.
+enum class Quantity {
+  kTime,
+  kA,
+  kB,
+  kTheta,
+  kPhi,
+  kOmega,
+  kBeta,
+  kAlpha,
+  kVirtualRate,
+  kCompensationGain1,
+  kCompensationGain2,
+  kSustainVolts,
+  kQuadratureVolts,
+  kSteeringVolts,
+  kDriveXReal,
+  kDriveXImag,
+  kDriveYReal,
+  kDriveYImag,
+  kCx,
+  kSx,
+  kCy,
+  kSy,
+  kX,
+  kY,
+  kReferencePhase,
+  kGroupDelay,
+  kUsable,
+  kSequence,
+  kCount
+};
+
+constexpr std::size_t kQuantityCount = static_cast<std::size_t>(Quantity::kCount);
+constexpr std::size_t indexOf(Quantity quantity) { return static_cast<std::size_t>(quantity); }
+
+/// The only place where a quantity's name, dimension and meaning stand.
+struct QuantityInfo {
+  Quantity quantity;
+  const char* name;  ///< as in --column NAME=... and in exported headers
+  Dimension dimension;
+  const char* meaning;
+  /// What labs call it: lower case, letters and digits only, between spaces.
+  const char* synonyms;
+};
+
+const std::array<QuantityInfo, kQuantityCount>& quantities();
+const QuantityInfo& infoOf(Quantity quantity);
+std::optional<Quantity> quantityFromName(std::string_view name);
+/// The quantity that a header's word (without its unit) is likely to mean.
+std::optional<Quantity> guessQuantity(std::string_view word);
+
+}  // namespace ring_gyro

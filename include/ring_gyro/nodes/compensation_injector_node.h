@@ -1,0 +1,58 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/service_server.h>
+#include <ros/subscriber.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "ring_gyro/compensation/compensation_injector.h"
+#include "ring_gyro/nodes/departure.h"
+#include "ring_gyro/nodes/node_diagnostics.h"
+#include "ring_gyro/nodes/node_host.h"
+#include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/start_gate.h"
+#include "ring_gyro/ros/messages.h"
+#include "ring_gyro/ros/node_configuration.h"
+
+namespace ring_gyro {
+
+/// Decides on the compensation: ParameterEstimate in, CompensationGains out (latched), one for each
+/// estimate. Services ~enable, ~hold and ~reset act from the next decision on.
+class CompensationInjectorNode {
+ public:
+  /// Throws std::invalid_argument naming what cannot be used.
+  CompensationInjectorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+                           const NodeConfiguration& configuration, NodeHost host);
+
+ private:
+  void start();
+  void onEstimate(const ring_gyro_msgs::ParameterEstimate& message);
+  bool enable(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
+  bool hold(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
+  bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  void leave();
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+  ros::NodeHandle handle_;
+  std::uint64_t period_blocks_;
+  CompensationInjector injector_;
+  ParameterEstimate estimate_;
+  std::optional<CompensationDecision> decision_;
+  std::uint64_t decisions_ = 0;
+
+  Output gains_;
+  ros::Subscriber estimate_subscriber_;
+  ros::ServiceServer enable_service_;
+  ros::ServiceServer hold_service_;
+  ros::ServiceServer reset_service_;
+  std::unique_ptr<StartGate> gate_;
+  Departure departure_;
+  NodeDiagnostics diagnostics_;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/subscriber.h>
+#include <ros/wall_timer.h>
+#include <sensor_msgs/Imu.h>
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/control/control_loops.h"
+#include "ring_gyro/nodes/departure.h"
+#include "ring_gyro/nodes/node_diagnostics.h"
+#include "ring_gyro/nodes/node_host.h"
+#include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/start_gate.h"
+#include "ring_gyro/ros/message_pool.h"
+#include "ring_gyro/ros/messages.h"
+#include "ring_gyro/ros/node_configuration.h"
+#include "ring_gyro/ros/time_guard.h"
+
+namespace ring_gyro {
+
+/// Demodulation and control: DisplacementBlock in, DriveCommand, OrbitalElements, ControlGains and
+/// the sensed rate out.
+///
+/// With compensation in lockstep, the block whose drive a decision of the injector is for waits for
+/// that decision, so that the timing of threads cannot change a run. In real time decisions apply
+/// when they arrive and late ones are counted.
+class ControlLoopsNode {
+ public:
+  /// Throws std::invalid_argument naming what cannot be used.
+  ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+                   const NodeConfiguration& configuration, NodeHost host);
+
+ private:
+  using BlockMessage = ring_gyro_msgs::DisplacementBlock;
+
+  void start();
+  void onDisplacement(const BlockMessage::ConstPtr& message);
+  void onDecision(const ring_gyro_msgs::CompensationGains& message);
+  bool mustWaitForDecision(const BlockMessage& message) const;
+  void applyDecisions(std::uint64_t acts_in);
+  void process(const BlockMessage& message);
+  void publish(const LoopOutput& output);
+  void sendBurst();
+  void watchSilence();
+  void leave();
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+  ros::NodeHandle handle_;
+  NodeParameters parameters_;
+  NodeHost host_;
+  double angular_gain_;
+  bool compensation_;
+  std::uint64_t period_blocks_;  // of the identifier
+  ControlLoops loops_;
+  DisplacementBlock block_;
+  TimeGuard guard_;
+  BlockMessage::ConstPtr waiting_;  // for the decision that its answer must use
+  std::deque<CompensationDecision> decisions_;
+  LoopStatus status_;
+  double amplitude_ = 0.0;
+  double theta_rate_ = 0.0;
+
+  std::uint64_t late_decisions_ = 0;
+  std::uint64_t foreign_decisions_ = 0;
+  std::uint64_t invalid_blocks_ = 0;
+  int silent_ticks_ = 0;
+
+  std::uint64_t burst_blocks_;
+  std::vector<ring_gyro_msgs::OrbitalElements::ConstPtr> elements_burst_;
+  std::vector<ring_gyro_msgs::ControlGains::ConstPtr> gains_burst_;
+  MessagePool<ring_gyro_msgs::DriveCommand> command_messages_;
+  MessagePool<ring_gyro_msgs::OrbitalElements> elements_messages_;
+  MessagePool<ring_gyro_msgs::ControlGains> gains_messages_;
+  MessagePool<sensor_msgs::Imu> imu_messages_;
+  Output command_;
+  Output elements_;
+  Output gains_;
+  Output imu_;
+  ros::Subscriber displacement_subscriber_;
+  ros::Subscriber decision_subscriber_;
+  ros::WallTimer watch_timer_;
+  std::unique_ptr<StartGate> gate_;
+  Departure departure_;
+  NodeDiagnostics diagnostics_;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/subscriber.h>
+#include <ros/wall_timer.h>
+#include <rosgraph_msgs/Clock.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "ring_gyro/nodes/node_diagnostics.h"
+#include "ring_gyro/nodes/node_host.h"
+#include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/start_gate.h"
+#include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/ros/message_pool.h"
+#include "ring_gyro/ros/messages.h"
+#include "ring_gyro/ros/node_configuration.h"
+
+namespace ring_gyro {
+
+/// The gyroscope: DriveCommand in, DisplacementBlock out, and /clock, truth and the end of the run.
+///
+/// Lockstep: block n + 1 follows the command that answers block n. Real time: a block each block
+/// duration of wall time; without a new command the last drive goes on.
+class PlantSimulatorNode {
+ public:
+  /// Throws std::invalid_argument naming what cannot be used.
+  PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+                     const NodeConfiguration& configuration, NodeHost host);
+
+ private:
+  using WallClock = std::chrono::steady_clock;
+
+  void start();
+  void onDriveCommand(const ring_gyro_msgs::DriveCommand& message);
+  void step();
+  void onRealTimeTick();
+  void publish(const DisplacementBlock& block);
+  void sendTruths();
+  void publishClock(const BlockStamp& stamp);
+  void endRun();
+  void watch();
+  void watchSilence();
+  void reportProgress();
+  void waitForListeners();
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  double simulatedTime() const;
+  double behindRealTime() const;  // of the start of the next block [s]; negative: it is not due yet
+
+  ros::NodeHandle handle_;
+  NodeParameters parameters_;
+  NodeHost host_;
+  double duration_;             // of the run, 0: until stopped [s]
+  std::uint64_t blocks_;        // of the run, 0: until stopped
+  std::uint64_t burst_blocks_;  // whose truth is sent together
+  std::int64_t block_ns_;
+  std::int64_t start_ns_;
+  PlantSimulator plant_;
+  DriveCommand command_;
+  bool commanded_ = false;  // real time: a command has come since the last block
+  BlockStamp last_;
+  bool started_ = false;
+  bool ended_ = false;
+
+  std::uint64_t coasted_ = 0;
+  std::uint64_t late_ = 0;
+  std::uint64_t rejected_ = 0;
+  int silent_ticks_ = 0;
+  int ticks_ = 0;
+  int ending_ticks_ = 0;
+  double reported_time_ = 0.0;
+  WallClock::time_point started_at_;
+  WallClock::time_point reported_at_;
+  WallClock::time_point clock_at_;
+
+  MessagePool<ring_gyro_msgs::DisplacementBlock> displacement_messages_;
+  MessagePool<ring_gyro_msgs::PlantTruth> truth_messages_;
+  std::vector<ring_gyro_msgs::PlantTruth::ConstPtr> truth_burst_;
+  Output displacement_;
+  Output truth_;
+  Output end_of_run_;
+  ros::Publisher clock_;
+  ros::Subscriber drive_subscriber_;
+  std::unique_ptr<StartGate> gate_;
+  ros::WallTimer watch_timer_;
+  ros::WallTimer block_timer_;
+  NodeDiagnostics diagnostics_;
+};
+
+}  // namespace ring_gyro

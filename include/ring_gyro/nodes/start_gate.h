@@ -1,0 +1,36 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/wall_timer.h>
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "ring_gyro/nodes/output.h"
+
+namespace ring_gyro {
+
+/// Holds a node back until its outputs have the listeners they must have. As each node of the chain
+/// takes no input before, nothing of a run is lost, in whatever order the nodes came up.
+class StartGate {
+ public:
+  struct Requirement {
+    Output output;
+    std::size_t subscribers = 0;
+  };
+
+  /// Calls `start` once, from the callback queue of `handle`. Says now and then what is missing.
+  StartGate(ros::NodeHandle& handle, std::vector<Requirement> requirements,
+            std::function<void()> start);
+
+ private:
+  void check();
+
+  std::vector<Requirement> requirements_;
+  std::function<void()> start_;
+  int checks_ = 0;
+  ros::WallTimer timer_;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ring_gyro/common/block_stamp.h"
+
+namespace ring_gyro {
+
+/// One block of converter samples of both axes, sample j taken at block start + j / sample_rate.
+struct DisplacementBlock {
+  BlockStamp stamp;
+  /// The drive that acted in this block: the DriveCommand that answered this sequence.
+  /// Meaningless while `driven` is false (nothing has been commanded yet).
+  std::uint64_t drive_answers_sequence = 0;
+  bool driven = false;
+  double reference_phase = 0.0;         ///< of the NCO at the first sample [rad]
+  double reference_frequency = 0.0;     ///< of the NCO in this block [rad/s]
+  std::uint32_t saturated_samples = 0;  ///< samples at the end of the converter's range
+  std::vector<double> x;                ///< [V]
+  std::vector<double> y;                ///< [V]
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace ring_gyro {
+
+/// What the loops ask of the drive for one block: per axis f(t) = Re[envelope e^{i psi(t)}] with
+/// psi(t) = reference_phase + reference_frequency (t - block start).
+///
+/// `answers_sequence` is the displacement block that the command was computed from; it acts in the
+/// block after it.
+struct DriveCommand {
+  std::uint64_t answers_sequence = 0;
+  double reference_phase = 0.0;      ///< phase of the NCO at the start of the block [rad]
+  double reference_frequency = 0.0;  ///< [rad/s]
+  Eigen::Vector2cd envelope = Eigen::Vector2cd::Zero();  ///< [V]
+};
+
+}  // namespace ring_gyro

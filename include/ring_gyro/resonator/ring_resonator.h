@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <complex>
+
+#include "ring_gyro/resonator/resonator_parameters.h"
+
+namespace ring_gyro {
+
+/// A phasor-modulated signal pair over one block: sample at time s after the block start is
+/// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k], exact to rounding.
+struct BlockMotion {
+  static constexpr int kMaxTerms = 24;
+  std::array<Eigen::Vector2cd, kMaxTerms> coefficients;
+  int terms = 0;
+  double reference_frequency = 0.0;  ///< w_ref [rad/s]
+  double duration = 0.0;             ///< [s]
+};
+
+/// The two modes of the ring as a linear system, solved exactly between drive updates.
+///
+/// With M = [[1+m1, m2],[m2, 1-m1]] and C = 2 xi0 w0 G - 2 k Om J the equation u'' + C u' + w0^2 M
+/// u = ks f has the solution u(t) = Re[e^{S t} z + X_p e^{i psi}], where the 2x2 complex solvent S
+/// obeys S^2 + C S + w0^2 M = 0 (its conjugate is the other solvent) and X_p is the steady response
+/// to the drive phasor. S - i w0 is slow, so e^{(S - i w0) s} is a short power series over a block.
+class RingResonator {
+ public:
+  explicit RingResonator(const ResonatorParameters& parameters);
+
+  /// Displacements and velocities [V, V, V/s, V/s].
+  const Eigen::Vector4d& state() const { return state_; }
+  void setState(const Eigen::Vector4d& state) { state_ = state; }
+  void addToState(const Eigen::Vector4d& kick) { state_ += kick; }
+
+  /// Sets the rate of the case [rad/s] and the temperature deviation [K] for what follows.
+  void setConditions(double rotation_rate, double temperature);
+
+  /// Motion over the next `duration` [s] under the drive f(t) = Re[drive e^{i(phase + w t)}] [V];
+  /// the state moves to its end.
+  /// Throws std::domain_error when the drive is so far from the resonance (or the block so long)
+  /// that the series does not converge.
+  const BlockMotion& propagate(const Eigen::Vector2cd& drive, double phase, double frequency,
+                               double duration);
+
+  /// Complex displacement whose real part is the state's displacement: the free vibration with
+  /// velocity and displacement of `state` (used for the true orbital elements).
+  Eigen::Vector2cd freeEnvelope(const Eigen::Vector4d& state) const;
+
+  /// Steady response [V] to the drive phasor at `frequency` [rad/s].
+  Eigen::Vector2cd steadyResponse(const Eigen::Vector2cd& drive, double frequency) const;
+
+  /// Complex displacement at the present state, split into free and forced motion: the slow
+  /// envelope times e^{i psi}, free of 2 w ripple.
+  Eigen::Vector2cd analyticDisplacement(const Eigen::Vector2cd& drive, double phase,
+                                        double frequency) const;
+
+  /// Matrix A of u' = A u + ks [0; f] at the present conditions.
+  Eigen::Matrix4d systemMatrix() const;
+  /// D = S - i w0 [1/s]: the free envelope against w0 goes with e^{D t}.
+  const Eigen::Matrix2cd& slowMotion() const { return slow_; }
+  double driveGain() const { return drive_gain_; }
+
+ private:
+  void solveSolvent();
+
+  ResonatorParameters parameters_;
+  double drive_gain_;
+  double rotation_rate_ = 0.0;
+  double temperature_ = 0.0;
+  double angular_frequency_ = 0.0;     // w0 at the present temperature
+  Eigen::Matrix2d damping_;            // C
+  Eigen::Matrix2d stiffness_;          // w0^2 (M - 1)
+  Eigen::Matrix2cd slow_;              // S - i w0
+  Eigen::Matrix2d inverse_imaginary_;  // Im(S)^-1
+  Eigen::Vector4d state_ = Eigen::Vector4d::Zero();
+  BlockMotion motion_;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/ros/identification_report.h"
+#include "ring_gyro/ros/loop_bag.h"
+#include "ring_gyro/simulation/loop_configuration.h"
+
+namespace ring_gyro {
+
+struct BagIdentificationOptions {
+  LoopTopics topics;
+  double start = 0.0;              ///< after the bag's begin, bag time as in rosbag play [s]
+  std::optional<double> duration;  ///< from there; empty: to the end [s]
+  std::uint64_t start_sequence = 0;
+};
+
+/// Identifies from a recorded run with the code of the node, without any topic: one bag, or the
+/// parts of one run that was split over several.
+class BagIdentification {
+ public:
+  using OnEstimate = std::function<void(const ParameterEstimate&)>;
+  using OnProgress = std::function<void(double)>;
+
+  /// Opens the bags and puts them in the order of their begin. Throws BagError, and
+  /// std::invalid_argument when the configuration cannot be used.
+  BagIdentification(const std::vector<std::string>& paths, LoopConfiguration configuration,
+                    BagIdentificationOptions options = {});
+
+  /// Bag time to be read [s].
+  double length() const { return (to_ - from_).toSec(); }
+  /// `on_estimate`: each of them, in order; `on_progress`: bag time read so far [s], often called.
+  /// Throws std::runtime_error when an estimate is not finite.
+  IdentificationResult run(const OnEstimate& on_estimate = {}, const OnProgress& on_progress = {});
+
+ private:
+  LoopConfiguration configuration_;
+  BagIdentificationOptions options_;
+  std::vector<LoopBag> bags_;
+  ros::Time from_;
+  ros::Time to_;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <ros/time.h>
+#include <rosbag/bag.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/ros/bag_scanner.h"
+#include "ring_gyro/ros/messages.h"
+
+namespace ring_gyro {
+
+/// One line: file, what is wrong, the mend.
+class BagError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Topics to identify from. Empty: the only one of its type.
+struct LoopTopics {
+  std::string elements;
+  std::string gains;
+};
+
+/// A recorded run as the identifier needs it: orbital elements and control gains, in the order of
+/// bag time, other topics left where they are. A bag whose index is missing or cut off is read from
+/// front to back as far as it goes.
+class LoopBag {
+ public:
+  using OnElements = std::function<void(const ring_gyro_msgs::OrbitalElements&, const ros::Time&)>;
+  using OnGains = std::function<void(const ring_gyro_msgs::ControlGains&, const ros::Time&)>;
+
+  /// Throws BagError: not there, not a bag, empty, encrypted; a topic is missing, of another type
+  /// or of another version of the message.
+  explicit LoopBag(std::string path, const LoopTopics& topics = {});
+
+  /// Messages with bag time in [from, to], all of them, the last too. Throws what the sinks throw.
+  void read(const OnElements& on_elements, const OnGains& on_gains,
+            const ros::Time& from = ros::TIME_MIN, const ros::Time& to = ros::TIME_MAX);
+
+  const std::string& path() const { return path_; }
+  bool hasIndex() const { return bag_ != nullptr; }
+  /// Bag time of the first and the last message of any topic, as rosbag play has it.
+  ros::Time begin() const { return begin_; }
+  ros::Time end() const { return end_; }
+  const std::string& elementsTopic() const { return elements_.topic; }
+  const std::string& gainsTopic() const { return gains_.topic; }
+  /// Messages that read() would deliver, and the bag time of the last; only with an index.
+  struct Content {
+    std::uint64_t messages = 0;
+    ros::Time last;
+  };
+  Content content(const ros::Time& from, const ros::Time& to) const;
+
+  /// What could not be read up to now, one line each.
+  const std::vector<std::string>& damage() const { return damage_; }
+
+ private:
+  struct Topic {
+    std::string topic;
+    std::vector<std::uint32_t> connections;
+  };
+
+  struct Delivered {
+    std::uint64_t elements = 0;
+    std::uint64_t gains = 0;
+  };
+
+  void open();
+  void openWithIndex();
+  void openByScan(const std::string& why);
+  template <typename Message>
+  Topic choose(const std::string& wanted, const char* usual_name) const;
+  bool wanted(std::uint32_t connection) const;
+  /// False when a message cannot be read; `delivered` were.
+  bool readWithIndex(const OnElements& on_elements, const OnGains& on_gains, const ros::Time& from,
+                     const ros::Time& to, Delivered& delivered);
+  /// `delivered`: how many of each topic are known already.
+  BagScan readByScan(const OnElements& on_elements, const OnGains& on_gains, const ros::Time& from,
+                     const ros::Time& to, Delivered delivered);
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::string path_;
+  std::unique_ptr<rosbag::Bag> bag_;
+  std::vector<BagConnection> connections_;
+  Topic elements_;
+  Topic gains_;
+  ros::Time begin_;
+  ros::Time end_;
+  std::vector<std::string> damage_;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+
+#include "ring_gyro/ros/bag_writer.h"
+#include "ring_gyro/ros/messages.h"
+#include "ring_gyro/simulation/closed_loop.h"
+
+namespace ring_gyro {
+
+/// Writes what a loop in one process brings about, as the messages on the topics that the graph
+/// has.
+class LoopRecorder {
+ public:
+  /// `raw`: the displacement blocks and drive commands too, by far the largest.
+  /// Throws rosbag::BagException when the file cannot be written.
+  LoopRecorder(const std::string& path, bool raw);
+
+  void write(const LoopRecord& record);
+  /// `last`: stamp of the last block written.
+  void finish(const BlockStamp& last);
+
+  std::uint64_t messages() const { return writer_.messages(); }
+
+ private:
+  template <typename Message>
+  void write(const char* topic, Message& message);
+
+  BagWriter writer_;
+  bool raw_;
+  ring_gyro_msgs::DisplacementBlock displacement_;
+  ring_gyro_msgs::DriveCommand command_;
+  ring_gyro_msgs::OrbitalElements elements_;
+  ring_gyro_msgs::ControlGains gains_;
+  ring_gyro_msgs::ParameterEstimate estimate_;
+  ring_gyro_msgs::CompensationGains compensation_;
+  ring_gyro_msgs::PlantTruth truth_;
+};
+
+}  // namespace ring_gyro

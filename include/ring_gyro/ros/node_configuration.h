@@ -1,0 +1,22 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <yaml-cpp/yaml.h>
+
+#include "ring_gyro/configuration/configuration_reader.h"
+
+namespace ring_gyro {
+
+/// What a node is made from: the configuration that the tools read too, and the node's own section.
+struct NodeConfiguration {
+  LoopConfiguration loop;
+  NodeParameters node;
+};
+
+/// All parameters in the namespace of `private_handle`, less those that belong to ROS packages.
+YAML::Node parametersOf(const ros::NodeHandle& private_handle);
+
+/// Reads and checks the private parameters of a node. Throws ConfigurationError.
+NodeConfiguration readNodeConfiguration(const ros::NodeHandle& private_handle);
+
+}  // namespace ring_gyro

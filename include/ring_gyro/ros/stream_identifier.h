@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/ros/identification_report.h"
+#include "ring_gyro/ros/messages.h"
+#include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/simulation/loop_configuration.h"
+
+namespace ring_gyro {
+
+/// From messages to estimates: merge, filter and the account of both. The node and the tools for
+/// bags feed the very same object, which is why their estimates are the same to the last bit.
+class StreamIdentifier {
+ public:
+  using Sink = std::function<void(const ParameterEstimate&)>;
+
+  /// `sink` gets each estimate. `start_sequence`: the filter sees nothing before the first pair
+  /// with this sequence or a later one, as one that was started there.
+  /// Throws std::invalid_argument naming what cannot be used.
+  StreamIdentifier(const LoopConfiguration& configuration, Sink sink,
+                   std::uint64_t start_sequence = 0);
+  StreamIdentifier(const StreamIdentifier&) = delete;
+  StreamIdentifier& operator=(const StreamIdentifier&) = delete;
+
+  void add(const ring_gyro_msgs::OrbitalElements& message);
+  void add(const ring_gyro_msgs::ControlGains& message);
+  void add(const OrbitalElements& elements) { merge_.add(elements); }
+  void add(const ControlGains& gains) { merge_.add(gains); }
+  /// The input has ended.
+  void flush();
+
+  /// Of the last pair.
+  std::uint64_t lastSequence() const { return report_.last.sequence; }
+  IdentificationReport report() const;
+
+ private:
+  void process(const OrbitalElements& elements, const ControlGains& gains);
+  void count(const OrbitalElements& elements, const ControlGains& gains);
+  void account(const ParameterEstimate& estimate);
+
+  Identifier identifier_;
+  PairMerge merge_;
+  Sink sink_;
+  std::uint64_t start_sequence_;
+  std::int64_t block_duration_ns_;
+  bool started_ = false;
+  OrbitalElements elements_;
+  ControlGains gains_;
+  IdentificationReport report_;
+};
+
+}  // namespace ring_gyro

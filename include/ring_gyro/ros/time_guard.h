@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ring_gyro/common/block_stamp.h"
+
+namespace ring_gyro {
+
+/// How a stamp follows the one before it on the same topic.
+enum class StampOrder {
+  kFirst,
+  kNext,        ///< the block after the last
+  kGap,         ///< later than that: blocks are missing
+  kDuplicate,   ///< the last block again
+  kStepBack,    ///< an earlier block, or a later one with an earlier time: a bag that loops
+  kNewSession,  ///< the plant has been started again
+  kZero,        ///< no time at all: says nothing
+};
+
+/// Sorts the stamps of one topic into those that follow and those that do not, and counts.
+class TimeGuard {
+ public:
+  struct Counts {
+    std::uint64_t accepted = 0;
+    std::uint64_t lost = 0;  ///< blocks in gaps
+    std::uint64_t duplicates = 0;
+    std::uint64_t steps_back = 0;
+    std::uint64_t new_sessions = 0;
+    std::uint64_t zero_stamps = 0;
+  };
+
+  /// Duplicates and zero stamps are not remembered: the next is compared with what came before.
+  StampOrder check(const BlockStamp& stamp);
+
+  const Counts& counts() const { return counts_; }
+
+ private:
+  StampOrder order(const BlockStamp& stamp) const;
+
+  bool started_ = false;
+  BlockStamp last_;
+  Counts counts_;
+};
+
+/// Whether a block with this order is to be used at all.
+constexpr bool isUsable(StampOrder order) {
+  return order != StampOrder::kDuplicate && order != StampOrder::kZero;
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,16 @@
+#pragma once
+
+namespace ring_gyro::topics {
+
+// Relative, so that a namespace or a remapping moves them.
+constexpr char kDisplacement[] = "displacement";
+constexpr char kDriveCommand[] = "drive_command";
+constexpr char kOrbitalElements[] = "orbital_elements";
+constexpr char kControlGains[] = "control_gains";
+constexpr char kImu[] = "imu";
+constexpr char kParameterEstimate[] = "parameter_estimate";
+constexpr char kCompensationGains[] = "compensation_gains";
+constexpr char kPlantTruth[] = "plant_truth";
+constexpr char kEndOfRun[] = "end_of_run";
+
+}  // namespace ring_gyro::topics

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "ring_gyro/compensation/compensation_injector.h"
+#include "ring_gyro/control/control_loops.h"
+#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/simulation/loop_configuration.h"
+
+namespace ring_gyro {
+
+/// Everything that one block brought about.
+struct LoopRecord {
+  const DisplacementBlock& displacement;
+  const LoopOutput& loops;
+  const PlantTruth& truth;
+  const std::optional<ParameterEstimate>& estimate;
+  const std::optional<CompensationDecision>& decision;
+};
+
+/// The whole loop in one process: the classes that the nodes wrap, called in the order in which the
+/// lockstep graph exchanges its messages, so that the results are the same.
+class ClosedLoop {
+ public:
+  explicit ClosedLoop(const LoopConfiguration& configuration);
+
+  /// One block. What the record refers to is good until the next call.
+  LoopRecord step();
+
+  PlantSimulator& plant() { return plant_; }
+  ControlLoops& loops() { return loops_; }
+  CompensationInjector& injector() { return injector_; }
+  double time() const;  ///< since the start [s]
+
+ private:
+  PlantSimulator plant_;
+  ControlLoops loops_;
+  Identifier identifier_;
+  CompensationInjector injector_;
+  bool compensation_;
+  bool started_ = false;
+  std::int64_t start_ns_;
+  std::deque<CompensationDecision> pending_;
+  PlantTruth truth_;
+  const LoopOutput* output_ = nullptr;
+  std::optional<ParameterEstimate> estimate_;
+  std::optional<CompensationDecision> decision_;
+};
+
+}  // namespace ring_gyro

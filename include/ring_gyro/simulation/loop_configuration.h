@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/parameter_table.h"
+#include "ring_gyro/compensation/compensation_injector.h"
+#include "ring_gyro/control/control_parameters.h"
+#include "ring_gyro/demodulation/demodulator.h"
+#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/resonator/plant_simulator.h"
+
+namespace ring_gyro {
+
+/// How a simulation is run.
+struct RunParameters {
+  double duration = 130.0;   ///< simulated; 0: until stopped [s]
+  std::int64_t seed = 1;     ///< of all noise
+  std::int64_t session = 1;  ///< 0: from the wall clock
+  double start_time = 1.0;   ///< stamp of the start of block 0 [s]
+
+  std::int64_t startNanoseconds() const;
+  /// `session`, or one from the wall clock that no other start shares.
+  std::uint32_t sessionIdentifier() const;
+  /// Blocks in `duration`; 0: until stopped.
+  std::uint64_t blocks(const ConverterParameters& converter) const;
+  void declare(ParameterTable& table);
+};
+
+/// What is told of the device to the loops, the identifier and the injector. The device itself is
+/// in `resonator`, which only the plant reads: the two differ as a data sheet and a part do.
+struct DeviceKnowledge {
+  double natural_frequency = 0.0;  ///< f0 [Hz]
+  double quality_factor = 0.0;     ///< Q
+  double drive_gain = 0.0;         ///< ks as the loops assume it [1/s^2]
+  double angular_gain = 1.0;       ///< k, pattern angle to angle of the case
+
+  void declare(ParameterTable& table);
+};
+
+/// Everything that a run of the loop is made from; one YAML file holds it for nodes and tools.
+struct LoopConfiguration {
+  RunParameters run;
+  ConverterParameters converter;
+  DeviceKnowledge device;
+  PlantParameters plant;
+  DemodulationParameters demodulation;
+  ControlParameters control;
+  IdentificationParameters identification;
+  InjectorParameters compensation;
+
+  /// The sections in the order of the file: run, converter, device, resonator, sense, drive,
+  /// rotation, demodulation, control, identification, compensation. The tables point into this
+  /// object.
+  Sections sections();
+
+  /// Hands `device` on to control, identification and compensation, whose tables leave it out so
+  /// that no file says one thing twice. To be called when the sections have been filled.
+  void shareDevice();
+
+  /// Blocks in a period of the identifier. Throws std::invalid_argument when it is not whole.
+  std::uint64_t periodBlocks() const;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "ring_gyro/simulation/loop_configuration.h"
+
+namespace ring_gyro {
+
+/// Squared tuning voltages that soften along (0 less 90 degrees) and across (45 less 135) [V^2].
+struct TuningSquares {
+  double along = 0.0;
+  double across = 0.0;
+
+  static TuningSquares of(const ResonatorParameters& ring);
+  /// One electrode of each pair carries the voltage, the other none.
+  void applyTo(ResonatorParameters& ring) const;
+};
+
+/// One pass of the tuning: the voltages, and what the identifier found with them.
+struct TuningPass {
+  TuningSquares squares;
+  double mu1 = 0.0;
+  double mu2 = 0.0;
+  double sigma = 0.0;       ///< of mu
+  double split = 0.0;       ///< f0 |mu|, as identified [Hz]
+  double true_split = 0.0;  ///< of the simulated ring [Hz]
+};
+
+struct TuningOptions {
+  double assumed_tuning_gain = 0.0;   ///< softening per V^2 from the layout [1/V^2]
+  double identification_time = 30.0;  ///< of each pass, after the lock [s]
+  double target_split = 1e-4;         ///< stop below this [Hz]
+  int most_passes = 6;
+};
+
+/// Turns identified stiffness mismatch into tuning voltages, second term of (8): mu falls by half
+/// the softening, so softening 2 mu more cancels it. After the first correction the softening per
+/// V^2 is taken from what the voltages were seen to do.
+///
+/// Each pass runs the closed loop of `configuration` (its steering must move the pattern),
+/// identifies mu and corrects. `seen` is called after each. Throws std::runtime_error when a pass
+/// does not converge.
+std::vector<TuningPass> tuneModes(LoopConfiguration configuration, const TuningOptions& options,
+                                  const std::function<void(const TuningPass&)>& seen);
+
+}  // namespace ring_gyro

@@ -1,0 +1,74 @@
+#!/usr/bin/python3
+"""Checks that every folder of the package includes only what stands beneath it.
+
+The folders of include/ring_gyro and src are floors, lowest first; nodes and tools stand side by
+side on top. Below the ros floor nothing may include ROS, and each outside library has the lowest
+floor that may use it.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+FLOORS = [
+    "common", "resonator", "demodulation", "control", "identification", "compensation", "analysis",
+    "simulation", "configuration", "logs", "ros", "nodes", "tools",
+]
+LEVEL = {name: level for level, name in enumerate(FLOORS)}
+LEVEL["tools"] = LEVEL["nodes"]
+
+# Lowest floor that may include headers from these folders; any other folder is ROS.
+OUTSIDE = {"Eigen": "common", "boost": "common", "yaml-cpp": "configuration",
+           "nlohmann": "configuration", "unsupported": "common", "sys": "common"}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def fault(floor: str, header: str) -> str:
+    """Why a file of `floor` must not include `header`; empty when it may."""
+    parts = header.split("/")
+    if parts[0] == "ring_gyro":
+        if len(parts) == 2:  # a generated message
+            return "" if LEVEL[floor] >= LEVEL["ros"] else "a ROS message"
+        target = parts[1]
+        if target not in LEVEL:
+            return f"the folder {target} is no floor known to scripts/check_floors.py"
+        if target == floor or LEVEL[target] < LEVEL[floor]:
+            return ""
+        return f"{target} does not stand beneath {floor}"
+    if len(parts) == 1:  # the standard library
+        return ""
+    lowest = OUTSIDE.get(parts[0], "ros")
+    if LEVEL[floor] >= LEVEL[lowest]:
+        return ""
+    return f"{parts[0]} may be used from the floor {lowest} upwards"
+
+
+def main() -> int:
+    root = Path(__file__).resolve().parent.parent
+    files = 0
+    faults = []
+    for base in (root / "include" / "ring_gyro", root / "src"):
+        for path in sorted(base.rglob("*")):
+            if path.suffix not in (".h", ".cpp"):
+                continue
+            files += 1
+            name = path.relative_to(root)
+            floor = path.relative_to(base).parts[0]
+            if floor not in LEVEL:
+                faults.append(f"{name}: stands in no floor known to scripts/check_floors.py")
+                continue
+            for number, line in enumerate(path.read_text().splitlines(), 1):
+                match = INCLUDE.match(line)
+                if match and (why := fault(floor, match.group(2))):
+                    faults.append(f"{name}:{number}: includes {match.group(2)}: {why}")
+    if not files:
+        faults.append(f"no source files under {root}")
+    for line in faults:
+        print(line)
+    print(f"floors: {files} files, {len(faults)} faults")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

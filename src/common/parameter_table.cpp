@@ -1,0 +1,70 @@
+#include "ring_gyro/common/parameter_table.h"
+
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+namespace ring_gyro {
+
+bool Range::contains(double value) const {
+  if (!std::isfinite(value)) return false;
+  return value <= highest && (lowest_excluded ? value > lowest : value >= lowest);
+}
+
+std::string Range::text() const {
+  std::ostringstream out;
+  const bool has_lowest = std::isfinite(lowest);
+  const bool has_highest = std::isfinite(highest);
+  if (has_lowest && has_highest) {
+    out << (lowest_excluded ? "(" : "[") << lowest << ", " << highest << "]";
+  } else if (has_lowest) {
+    out << (lowest_excluded ? "> " : ">= ") << lowest;
+  } else if (has_highest) {
+    out << "<= " << highest;
+  } else {
+    out << "any finite number";
+  }
+  return out.str();
+}
+
+ParameterTable& ParameterTable::number(std::string key, double& target, std::string unit,
+                                       Range range, std::string description) {
+  parameters_.push_back(
+      {std::move(key), &target, std::move(unit), range, {}, std::move(description), false});
+  return *this;
+}
+
+ParameterTable& ParameterTable::requiredNumber(std::string key, double& target, std::string unit,
+                                               Range range, std::string description) {
+  number(std::move(key), target, std::move(unit), range, std::move(description));
+  parameters_.back().required = true;
+  return *this;
+}
+
+ParameterTable& ParameterTable::integer(std::string key, std::int64_t& target, Range range,
+                                        std::string description) {
+  parameters_.push_back({std::move(key), &target, "1", range, {}, std::move(description), false});
+  return *this;
+}
+
+ParameterTable& ParameterTable::flag(std::string key, bool& target, std::string description) {
+  parameters_.push_back(
+      {std::move(key), &target, "1", Range::any(), {}, std::move(description), false});
+  return *this;
+}
+
+ParameterTable& ParameterTable::text(std::string key, std::string& target,
+                                     std::vector<std::string> choices, std::string description) {
+  parameters_.push_back({std::move(key), &target, "text", Range::any(), std::move(choices),
+                         std::move(description), false});
+  return *this;
+}
+
+ParameterTable& ParameterTable::numbers(std::string key, std::vector<double>& target,
+                                        std::string unit, Range range, std::string description) {
+  parameters_.push_back(
+      {std::move(key), &target, std::move(unit), range, {}, std::move(description), false});
+  return *this;
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,144 @@
+#include "ring_gyro/compensation/compensation_injector.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <variant>
+
+#include "ring_gyro/common/angle.h"
+
+namespace ring_gyro {
+namespace {
+
+const InjectorParameters& checked(const InjectorParameters& parameters) {
+  InjectorParameters copy = parameters;
+  ParameterTable table;
+  copy.declare(table);
+  for (const Parameter& parameter : table.parameters()) {
+    if (const auto* number = std::get_if<double*>(&parameter.target)) {
+      if (!parameter.range.contains(**number)) {
+        throw std::invalid_argument("compensation: " + parameter.key + " = " +
+                                    std::to_string(**number) + " must be " +
+                                    parameter.range.text());
+      }
+    }
+  }
+  return parameters;
+}
+
+bool finite(const ParameterEstimate& estimate) {
+  return estimate.value.allFinite() && estimate.covariance.allFinite();
+}
+
+}  // namespace
+
+void InjectorParameters::declare(ParameterTable& table) {
+  table.flag("enabled", enabled, "whether compensation may begin; can be switched while running")
+      .number("start_after", start_after, "s", Range::atLeast(0.0),
+              "data that the identifier must have used before compensation begins")
+      .number("gamma_sigma_limit", gamma_sigma_limit, "1", Range::above(0.0),
+              "compensation follows only estimates with both sigmas of gamma below this")
+      .number("gamma_limit", gamma_limit, "1", Range::between(0.0, 1.0),
+              "largest |gamma| that is compensated; estimates beyond it are not followed")
+      .number("ramp_rate", ramp_rate, "1/s", Range::above(0.0),
+              "how fast the compensated gamma moves to its target");
+}
+
+const char* toString(InjectorState state) {
+  switch (state) {
+    case InjectorState::kDisabled:
+      return "disabled";
+    case InjectorState::kWaiting:
+      return "waiting";
+    case InjectorState::kTracking:
+      return "tracking";
+    case InjectorState::kHolding:
+      return "holding";
+    case InjectorState::kLimited:
+      return "limited";
+  }
+  return "unknown";
+}
+
+CompensationInjector::CompensationInjector(const InjectorParameters& parameters,
+                                           std::int64_t period_blocks)
+    : parameters_(checked(parameters)),
+      damping_(kTwoPi * parameters.natural_frequency / parameters.quality_factor),
+      period_blocks_(period_blocks),
+      enabled_(parameters.enabled) {
+  if (!(damping_ > 0.0) || !std::isfinite(damping_)) {
+    throw std::invalid_argument(
+        "compensation: natural_frequency and quality_factor must be above zero");
+  }
+  if (period_blocks < 1) {
+    throw std::invalid_argument("compensation: period_blocks must be at least 1");
+  }
+}
+
+CompensationDecision CompensationInjector::decide(const ParameterEstimate& estimate) {
+  if (!begun_ || estimate.stamp.session != session_) {
+    reset();
+    begun_ = true;
+    session_ = estimate.stamp.session;
+  }
+  const double period = static_cast<double>(period_blocks_) * estimate.stamp.duration();
+
+  CompensationDecision decision;
+  if (!enabled_) {
+    rampTowards(0.0, 0.0, period);
+    decision.state = InjectorState::kDisabled;
+  } else if (hold_) {
+    decision.state = InjectorState::kHolding;
+  } else if (!gateOpen(estimate)) {
+    decision.state = InjectorState::kWaiting;
+  } else if (std::hypot(estimate.value[kGamma1], estimate.value[kGamma2]) >
+             parameters_.gamma_limit) {
+    decision.state = InjectorState::kLimited;
+  } else {
+    drive_gain_ = estimate.value[kDriveGain];
+    rampTowards(estimate.value[kGamma1], estimate.value[kGamma2], period);
+    decision.state = InjectorState::kTracking;
+  }
+
+  decision.session = session_;
+  decision.data_sequence = estimate.stamp.sequence;
+  decision.effective_sequence =
+      estimate.stamp.sequence + 1 + static_cast<std::uint64_t>(period_blocks_);
+  decision.gamma1 = gamma1_;
+  decision.gamma2 = gamma2_;
+  if (drive_gain_ > 0.0) {
+    decision.gains.gain1 = damping_ * gamma1_ / drive_gain_;
+    decision.gains.gain2 = damping_ * gamma2_ / drive_gain_;
+  }
+  return decision;
+}
+
+void CompensationInjector::reset() {
+  gamma1_ = 0.0;
+  gamma2_ = 0.0;
+  drive_gain_ = 0.0;
+}
+
+bool CompensationInjector::gateOpen(const ParameterEstimate& estimate) const {
+  const double used = static_cast<double>(estimate.used_blocks) * estimate.stamp.duration();
+  return finite(estimate) && estimate.converged && estimate.value[kDriveGain] > 0.0 &&
+         estimate.sigma(kGamma1) <= parameters_.gamma_sigma_limit &&
+         estimate.sigma(kGamma2) <= parameters_.gamma_sigma_limit &&
+         used >= parameters_.start_after;
+}
+
+/// In a straight line of (gamma1, gamma2), so that the axis of what is cancelled does not wander.
+void CompensationInjector::rampTowards(double gamma1, double gamma2, double duration) {
+  const double step1 = gamma1 - gamma1_;
+  const double step2 = gamma2 - gamma2_;
+  const double distance = std::hypot(step1, step2);
+  const double reach = parameters_.ramp_rate * duration;
+  if (distance <= reach) {
+    gamma1_ = gamma1;
+    gamma2_ = gamma2;
+  } else {
+    gamma1_ += step1 * (reach / distance);
+    gamma2_ += step2 * (reach / distance);
+  }
+}
+
+}  // namespace ring_gyro

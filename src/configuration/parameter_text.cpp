@@ -1,0 +1,170 @@
+#include "ring_gyro/configuration/parameter_text.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <sstream>
+
+namespace ring_gyro {
+namespace {
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+std::size_t skipDigits(const std::string& text, std::size_t at) {
+  while (at < text.size() && isDigit(text[at])) ++at;
+  return at;
+}
+
+/// [+-] digits [. digits] [e [+-] digits], with a digit in the mantissa.
+bool isDecimal(const std::string& text) {
+  std::size_t at = !text.empty() && (text[0] == '+' || text[0] == '-') ? 1 : 0;
+  const std::size_t whole_begin = at;
+  at = skipDigits(text, at);
+  std::size_t digits = at - whole_begin;
+  if (at < text.size() && text[at] == '.') {
+    const std::size_t fraction_begin = ++at;
+    at = skipDigits(text, at);
+    digits += at - fraction_begin;
+  }
+  if (digits == 0) return false;
+  if (at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
+    ++at;
+    if (at < text.size() && (text[at] == '+' || text[at] == '-')) ++at;
+    const std::size_t exponent_begin = at;
+    at = skipDigits(text, at);
+    if (at == exponent_begin) return false;
+  }
+  return at == text.size();
+}
+
+std::string lowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+std::optional<double> nonFiniteFromText(const std::string& text) {
+  std::string name = lowerCase(text);
+  bool negative = false;
+  if (!name.empty() && (name[0] == '+' || name[0] == '-')) {
+    negative = name[0] == '-';
+    name.erase(0, 1);
+  }
+  if (!name.empty() && name[0] == '.') name.erase(0, 1);
+  if (name == "nan") return std::numeric_limits<double>::quiet_NaN();
+  if (name != "inf" && name != "infinity") return std::nullopt;
+  const double infinity = std::numeric_limits<double>::infinity();
+  return negative ? -infinity : infinity;
+}
+
+std::string checkNumber(const Parameter& parameter, double value) {
+  if (!std::isfinite(value)) return "not finite";
+  return parameter.range.contains(value) ? "" : "out of range";
+}
+
+std::string store(const Parameter& parameter, double* target, const std::string& text) {
+  const std::optional<double> value = numberFromText(text);
+  if (!value) return "not a number";
+  std::string fault = checkNumber(parameter, *value);
+  if (fault.empty()) *target = *value;
+  return fault;
+}
+
+std::string store(const Parameter& parameter, std::int64_t* target, const std::string& text) {
+  const std::optional<double> value = numberFromText(text);
+  if (!value) return "not a whole number";
+  if (!std::isfinite(*value)) return "not finite";
+  if (*value != std::round(*value)) return "not a whole number";
+  constexpr double kExactlyRepresentable = 9007199254740992.0;
+  if (std::abs(*value) > kExactlyRepresentable) return "out of range";
+  std::string fault = checkNumber(parameter, *value);
+  if (fault.empty()) *target = static_cast<std::int64_t>(*value);
+  return fault;
+}
+
+std::string store(const Parameter&, bool* target, const std::string& text) {
+  const std::string name = lowerCase(text);
+  if (name != "true" && name != "false") return "not true or false";
+  *target = name == "true";
+  return "";
+}
+
+std::string store(const Parameter& parameter, std::string* target, const std::string& text) {
+  const auto& choices = parameter.choices;
+  if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
+    return "unknown choice";
+  }
+  *target = text;
+  return "";
+}
+
+std::string store(const Parameter&, std::vector<double>*, const std::string&) {
+  return "not a list of numbers";
+}
+
+std::string text(const double* value) { return textFromNumber(*value); }
+std::string text(const std::int64_t* value) { return std::to_string(*value); }
+std::string text(const bool* value) { return *value ? "true" : "false"; }
+std::string text(const std::string* value) { return value->empty() ? "\"\"" : *value; }
+std::string text(const std::vector<double>* values) {
+  std::string result = "[";
+  for (const double value : *values) {
+    if (result.size() > 1) result += ", ";
+    result += textFromNumber(value);
+  }
+  return result + "]";
+}
+
+}  // namespace
+
+std::optional<double> numberFromText(const std::string& text) {
+  if (!isDecimal(text)) return nonFiniteFromText(text);
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  double value = 0.0;
+  in >> value;  // on overflow the largest number and a failure
+  if (in.fail()) return std::numeric_limits<double>::infinity();
+  return value;
+}
+
+std::string textFromNumber(double value) {
+  for (int digits = 6;; ++digits) {
+    std::ostringstream out;
+    out.imbue(std::locale::classic());
+    out.precision(digits);
+    out << value;
+    if (digits >= std::numeric_limits<double>::max_digits10) return out.str();
+    const std::optional<double> back = numberFromText(out.str());
+    if (back && *back == value) return out.str();
+  }
+}
+
+std::string storeText(const Parameter& parameter, const std::string& text) {
+  return std::visit([&](auto* target) { return store(parameter, target, text); }, parameter.target);
+}
+
+std::string allowedText(const Parameter& parameter) {
+  if (std::holds_alternative<bool*>(parameter.target)) return "true or false";
+  if (std::holds_alternative<std::string*>(parameter.target)) {
+    if (parameter.choices.empty()) return "any text";
+    std::string result = "one of: ";
+    for (const std::string& choice : parameter.choices) {
+      if (&choice != &parameter.choices.front()) result += ", ";
+      result += choice;
+    }
+    return result;
+  }
+  std::string result = parameter.range.text();
+  if (std::holds_alternative<std::int64_t*>(parameter.target)) return result + ", whole";
+  if (std::holds_alternative<std::vector<double>*>(parameter.target))
+    result = "list, each " + result;
+  return result + " [" + parameter.unit + "]";
+}
+
+std::string valueText(const Parameter& parameter) {
+  return std::visit([](const auto* target) { return text(target); }, parameter.target);
+}
+
+}  // namespace ring_gyro

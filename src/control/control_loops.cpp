@@ -1,0 +1,241 @@
+#include "ring_gyro/control/control_loops.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <stdexcept>
+#include <string>
+
+#include "ring_gyro/common/angle.h"
+
+namespace ring_gyro {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kLockTime = 0.05;  // [s]
+constexpr double kPhaseLockError = toRadians(0.5);
+constexpr double kAmplitudeLockError = 0.01;   // of the setpoint
+constexpr double kQuadratureLockError = 0.01;  // of a
+constexpr double kOrbitFound = 0.05;           // of the setpoint: enough to close the loops on
+constexpr double kOrbitLost = 0.02;            // of the setpoint: nothing left to control
+
+LoopGains gainsOf(const LoopTuning& tuning, double decay = 0.0) {
+  return loopGains(tuning.bandwidth, tuning.damping, decay);
+}
+
+double decayRate(const ControlParameters& p) {
+  return kPi * p.natural_frequency / p.quality_factor;
+}
+
+std::int64_t lockBlocks(const ConverterParameters& converter) {
+  return static_cast<std::int64_t>(std::ceil(kLockTime / converter.blockDuration()));
+}
+
+const ControlParameters& checked(const ControlParameters& p) {
+  if (p.natural_frequency <= 0.0 || p.quality_factor <= 0.0 || p.drive_gain <= 0.0) {
+    throw std::invalid_argument(
+        "control: natural_frequency, quality_factor and drive_gain must be above zero");
+  }
+  return p;
+}
+
+}  // namespace
+
+ControlLoops::ControlLoops(const ControlParameters& control,
+                           const DemodulationParameters& demodulation,
+                           const ConverterParameters& converter)
+    : parameters_(checked(control)),
+      converter_(converter),
+      demodulator_(demodulation, converter, control.natural_frequency),
+      phase_loop_(gainsOf(control.phase_loop), converter.blockDuration(),
+                  -kTwoPi * control.frequency_range, kTwoPi * control.frequency_range),
+      amplitude_loop_(
+          gainsOf(control.amplitude_loop, decayRate(control)), converter.blockDuration(), 0.0,
+          control.drive_limit * control.drive_gain / (2.0 * kTwoPi * control.natural_frequency)),
+      quadrature_loop_(
+          gainsOf(control.quadrature_loop), converter.blockDuration(),
+          -control.drive_limit * control.drive_gain / (2.0 * kTwoPi * control.natural_frequency),
+          control.drive_limit * control.drive_gain / (2.0 * kTwoPi * control.natural_frequency)),
+      frequency_feedforward_(control.learning_rate, converter.blockDuration()),
+      quadrature_feedforward_(control.learning_rate, converter.blockDuration()),
+      angle_tracker_gains_(gainsOf(control.angle_tracker)),
+      amplitude_lock_(lockBlocks(converter)),
+      quadrature_lock_(lockBlocks(converter)),
+      phase_lock_(lockBlocks(converter)),
+      lead_(demodulator_.groupDelay() + 0.5 * converter.blockDuration()),
+      virtual_rate_(control.virtual_rate),
+      frequency_(kTwoPi * (control.natural_frequency + control.frequency_offset)) {
+  const double per_gamma = 2.0 * decayRate(control) / control.drive_gain;  // [s]
+  compensation_ = {per_gamma * control.compensated_gamma1, per_gamma * control.compensated_gamma2};
+}
+
+bool ControlLoops::samplesUsable(const DisplacementBlock& block) const {
+  const auto samples = static_cast<std::size_t>(converter_.block_samples);
+  if (block.x.size() != samples || block.y.size() != samples) return false;
+  const Eigen::Map<const Eigen::ArrayXd> x(block.x.data(), converter_.block_samples);
+  const Eigen::Map<const Eigen::ArrayXd> y(block.y.data(), converter_.block_samples);
+  // A finite sum has finite terms; the slow look is for sums that overflow.
+  return std::isfinite(x.sum() + y.sum()) || (x.allFinite() && y.allFinite());
+}
+
+const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
+  LoopStatus& status = output_.elements.status;
+  const bool usable = samplesUsable(block);
+  if (!usable || !contiguous(block.stamp)) {
+    demodulator_.reset();
+    blocks_to_settle_ = demodulator_.settlingBlocks();
+  }
+  last_stamp_ = block.stamp;
+  // Until the filter's window holds nothing but good samples again, its output is not an envelope.
+  status.invalid_samples = !usable || blocks_to_settle_ > 0;
+  status.converter_saturated = block.saturated_samples > 0;
+  if (usable) {
+    const Eigen::Vector2cd envelope = demodulator_.process(block);
+    if (blocks_to_settle_ > 0) {
+      --blocks_to_settle_;
+    } else {
+      measure(envelope, block.stamp.duration());
+    }
+  }
+  output_.elements.stamp = block.stamp;
+  output_.elements.group_delay = demodulator_.groupDelay();
+  output_.elements.theta_rate = theta_rate_;
+  recallActedDrive(block);
+  status.drive_saturated = output_.gains.status.drive_saturated;
+  status.amplitude_locked = amplitude_lock_.locked();
+  status.quadrature_locked = quadrature_lock_.locked();
+  status.phase_locked = phase_lock_.locked();
+  output_.gains.status = status;
+  command(block);
+  return output_;
+}
+
+bool ControlLoops::contiguous(const BlockStamp& stamp) const {
+  return stamp.sequence == 0 ||
+         (stamp.session == last_stamp_.session && stamp.sequence == last_stamp_.sequence + 1);
+}
+
+void ControlLoops::measure(const Eigen::Vector2cd& envelope, double period) {
+  Orbit orbit = orbitFromEnvelope(envelope);
+  orbit.theta = unwrapper_.unwrap(orbit.theta);
+  output_.elements.orbit = orbit;
+
+  const double found = orbit_found_ ? kOrbitLost : kOrbitFound;
+  const bool had_orbit = orbit_found_;
+  orbit_found_ = orbit.a > found * parameters_.amplitude;
+  if (orbit_found_ && !had_orbit) {
+    tracked_theta_ = orbit.theta;
+    theta_rate_ = 0.0;
+  }
+  if (orbit_found_) {
+    const double error = orbit.theta - (tracked_theta_ + theta_rate_ * period);
+    tracked_theta_ += (theta_rate_ + angle_tracker_gains_.proportional * error) * period;
+    theta_rate_ += angle_tracker_gains_.integral * error * period;
+  }
+  amplitude_lock_.update(std::abs(orbit.a / parameters_.amplitude - 1.0) < kAmplitudeLockError);
+  quadrature_lock_.update(orbit_found_ && std::abs(orbit.b) < kQuadratureLockError * orbit.a);
+  phase_lock_.update(orbit_found_ && std::abs(orbit.phi + 0.5 * kPi) < kPhaseLockError);
+}
+
+void ControlLoops::recallActedDrive(const DisplacementBlock& block) {
+  output_.gains = ControlGains{};
+  if (block.driven) {
+    const ActedDrive& acted = drives_[block.drive_answers_sequence % kDriveMemory];
+    if (acted.known && acted.answers_sequence == block.drive_answers_sequence) {
+      output_.gains = acted.gains;
+      output_.gains.status.drive_saturated = acted.saturated;
+    } else {
+      // The plant went on with a drive that is no longer known: nothing can be learnt from this.
+      output_.gains.status.drive_saturated = true;
+    }
+  }
+  output_.gains.stamp = block.stamp;
+  output_.gains.reference_frequency = block.reference_frequency;
+  output_.gains.reference_phase = block.reference_phase;
+}
+
+DriveGains ControlLoops::closeLoops(double theta) {
+  const Orbit& orbit = output_.elements.orbit;
+  const bool locked = amplitude_lock_.locked() && quadrature_lock_.locked() && phase_lock_.locked();
+  const double force_per_rate = 2.0 * frequency_ / parameters_.drive_gain;  // [V / (V/s)]
+  const double frequency_correction = phase_loop_.update(orbit.phi + 0.5 * kPi);
+  frequency_ = kTwoPi * (parameters_.natural_frequency + parameters_.frequency_offset) +
+               frequency_correction + frequency_feedforward_.at(theta);
+  DriveGains gains;
+  gains.sustain_force = force_per_rate * amplitude_loop_.update(parameters_.amplitude - orbit.a);
+  // b' = -ks a alpha / (2 w): alpha grows with b.
+  const double quadrature_correction = quadrature_loop_.update(orbit.b);
+  gains.alpha =
+      force_per_rate * (quadrature_correction + quadrature_feedforward_.at(theta)) / orbit.a;
+  if (locked && !was_locked_) {
+    // What the loop holds is mostly the offset of the NCO: no swing to be learnt from it.
+    frequency_feedforward_.reset(phase_loop_.integral());
+    phase_loop_.reset();
+  } else if (locked) {
+    frequency_feedforward_.learn(frequency_correction, theta);
+    quadrature_feedforward_.learn(quadrature_correction, theta);
+  }
+  was_locked_ = locked;
+  if (locked) {
+    gains.virtual_rate = virtual_rate_;
+    gains.compensation = compensation_;
+  }
+  return gains;
+}
+
+void ControlLoops::command(const DisplacementBlock& block) {
+  ActedDrive& next = drives_[block.stamp.sequence % kDriveMemory];
+  const double period = block.stamp.duration();
+  DriveCommand& command = output_.command;
+  ControlGains gains;
+  bool saturated = false;
+
+  if (output_.elements.status.invalid_samples) {
+    gains = output_.gains;  // coast on what acted last
+    saturated = gains.status.drive_saturated;
+  } else if (orbit_found_) {
+    Orbit ahead = output_.elements.orbit;
+    ahead.theta += theta_rate_ * lead_;
+    const DriveGains wanted = closeLoops(ahead.theta);
+    gains.drive = synthesizeDrive(ahead, wanted, frequency_, parameters_.drive_gain);
+    gains.beta = wanted.sustain_force / (frequency_ * ahead.a);
+    gains.alpha = wanted.alpha;
+    gains.virtual_rate = wanted.virtual_rate;
+    gains.compensation = wanted.compensation;
+  } else {
+    // Nothing to control yet: ring up along x, in phase with a velocity that lags by phi = -pi/2.
+    phase_loop_.reset();
+    amplitude_loop_.reset();
+    quadrature_loop_.reset();
+    frequency_feedforward_.reset();
+    quadrature_feedforward_.reset();
+    frequency_ = kTwoPi * (parameters_.natural_frequency + parameters_.frequency_offset);
+    gains.drive.sustain = {parameters_.drive_limit, 0.0};
+  }
+
+  Eigen::Vector2cd total = gains.drive.total();
+  const double largest = total.cwiseAbs().maxCoeff();
+  if (largest > parameters_.drive_limit) {
+    const double scale = parameters_.drive_limit / largest;
+    gains.drive.sustain *= scale;
+    gains.drive.quadrature *= scale;
+    gains.drive.steering *= scale;
+    gains.drive.compensation *= scale;
+    total *= scale;
+    saturated = true;
+  }
+
+  next.answers_sequence = block.stamp.sequence;
+  next.known = true;
+  next.saturated = saturated;
+  next.gains = gains;
+
+  command.answers_sequence = block.stamp.sequence;
+  command.reference_phase = wrapToPi(block.reference_phase + block.reference_frequency * period);
+  command.reference_frequency = frequency_;
+  command.envelope =
+      total * (std::polar(1.0, frequency_ * parameters_.hold_delay) / parameters_.hold_gain);
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,48 @@
+#include "ring_gyro/control/control_parameters.h"
+
+#include <string>
+
+namespace ring_gyro {
+namespace {
+
+void declareTuning(ParameterTable& table, const std::string& loop, LoopTuning& tuning,
+                   const std::string& what) {
+  table
+      .number(loop + "_bandwidth", tuning.bandwidth, "Hz", Range::between(1e-3, 100.0),
+              "natural frequency of " + what)
+      .number(loop + "_damping", tuning.damping, "1", Range::between(0.3, 3.0),
+              "damping ratio of " + what);
+}
+
+}  // namespace
+
+void ControlParameters::declare(ParameterTable& table) {
+  table
+      .number("frequency_offset", frequency_offset, "Hz", Range::between(-1e3, 1e3),
+              "of the NCO from the natural frequency at the start")
+      .number("amplitude", amplitude, "V", Range::between(1e-3, 10.0), "setpoint of a")
+      .number("drive_limit", drive_limit, "V", Range::between(1e-3, 1e3),
+              "largest drive amplitude of an axis")
+      .number("frequency_range", frequency_range, "Hz", Range::between(0.1, 1e4),
+              "how far the NCO may go from where it starts")
+      .number("virtual_rate", virtual_rate, "rad/s", Range::between(-100.0, 100.0),
+              "steering once locked: acts as a rotation k Om of this, theta falls")
+      .number("hold_delay", hold_delay, "s", Range::between(0.0, 1e-3),
+              "delay of the drive, corrected in its phase: half a sample for a zero-order hold")
+      .number("hold_gain", hold_gain, "1", Range::between(0.1, 1.0),
+              "gain of the drive, corrected in its amplitude: 0.992 for a hold at 200 kHz");
+  declareTuning(table, "phase_loop", phase_loop, "the phase-locked loop");
+  declareTuning(table, "amplitude_loop", amplitude_loop, "the amplitude loop");
+  declareTuning(table, "quadrature_loop", quadrature_loop, "the quadrature loop");
+  declareTuning(table, "angle_tracker", angle_tracker, "the tracker of the precession rate");
+  table
+      .number("learning_rate", learning_rate, "1/s", Range::between(0.0, 10.0),
+              "at which quadrature and frequency learn their swing with the pattern angle; 0: off")
+      .number("compensated_gamma1", compensated_gamma1, "1", Range::between(-0.5, 0.5),
+              "damping mismatch along the axes that is compensated from the start")
+      .number("compensated_gamma2", compensated_gamma2, "1", Range::between(-0.5, 0.5),
+              "damping mismatch across the axes that is compensated from the start");
+  table.flag("compensation", compensation, "apply the decisions of the compensation injector");
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,68 @@
+#include "ring_gyro/demodulation/orbital_elements.h"
+
+#include <cmath>
+#include <complex>
+
+#include "ring_gyro/common/angle.h"
+
+namespace ring_gyro {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr Complex kI{0.0, 1.0};
+
+}  // namespace
+
+Orbit orbitFromEnvelope(const Eigen::Vector2cd& envelope) {
+  // The two circular motions: X + iY = e^{i(phi+theta)} (a+b), X - iY = e^{i(phi-theta)} (a-b).
+  const Complex left = envelope[0] + kI * envelope[1];
+  const Complex right = envelope[0] - kI * envelope[1];
+  const double left_angle = std::arg(left);
+  const double right_angle = std::arg(right);
+  Orbit orbit;
+  orbit.a = 0.5 * (std::abs(left) + std::abs(right));
+  orbit.b = 0.5 * (std::abs(left) - std::abs(right));
+  orbit.phi = 0.5 * (left_angle + right_angle);
+  orbit.theta = 0.5 * (left_angle - right_angle);
+  // phi is now in [-pi, pi]; a turn of pi of both angles is the same motion.
+  if (orbit.phi > 0.0) {
+    orbit.phi -= kPi;
+    orbit.theta += kPi;
+  } else if (orbit.phi <= -kPi) {
+    orbit.phi += kPi;
+    orbit.theta -= kPi;
+  }
+  orbit.theta = wrapToPi(orbit.theta);
+  return orbit;
+}
+
+Eigen::Vector2cd envelopeFromOrbit(const Orbit& orbit) {
+  const double c = std::cos(orbit.theta);
+  const double s = std::sin(orbit.theta);
+  const Complex major(orbit.a, 0.0);
+  const Complex minor(0.0, -orbit.b);
+  const Complex turn = std::polar(1.0, orbit.phi);
+  return {turn * (c * major - s * minor), turn * (s * major + c * minor)};
+}
+
+OrbitInvariants invariantsFromEnvelope(const Eigen::Vector2cd& envelope) {
+  const double cx = envelope[0].real();
+  const double sx = -envelope[0].imag();
+  const double cy = envelope[1].real();
+  const double sy = -envelope[1].imag();
+  OrbitInvariants invariants;
+  invariants.q = 2.0 * (cx * sy - cy * sx);
+  invariants.s = 2.0 * (cx * cy + sx * sy);
+  invariants.r = cx * cx + sx * sx - cy * cy - sy * sy;
+  invariants.l_r = cx * cx - sx * sx + cy * cy - sy * sy;
+  invariants.l_i = 2.0 * (cx * sx + cy * sy);
+  return invariants;
+}
+
+double AngleUnwrapper::unwrap(double theta) {
+  last_ = started_ ? last_ + wrapToPi(theta - last_) : theta;
+  started_ = true;
+  return last_;
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,211 @@
+#include "ring_gyro/identification/averaged_model.h"
+
+#include <cmath>
+#include <complex>
+#include <stdexcept>
+
+#include "ring_gyro/common/angle.h"
+
+namespace ring_gyro {
+namespace {
+
+/// Drive along and across the pattern, E F1 and E F2 with [F1; F2] = R(-theta) F, E = e^{-i phi}.
+struct PatternDrive {
+  std::complex<double> along;
+  std::complex<double> across;
+};
+
+PatternDrive turnDrive(double cosine, double sine, double phi, const Eigen::Vector2cd& drive) {
+  const double re = std::cos(phi);
+  const double im = -std::sin(phi);
+  // Written out: a std::complex product also checks for NaN, which costs more than it computes.
+  const auto turn = [re, im](std::complex<double> z) {
+    return std::complex<double>(re * z.real() - im * z.imag(), re * z.imag() + im * z.real());
+  };
+  return {turn(cosine * drive.x() + sine * drive.y()), turn(cosine * drive.y() - sine * drive.x())};
+}
+
+}  // namespace
+
+/// a' and b' as what they are at given angles: linear in (a, b), in the parameters and in the
+/// drive.
+struct AveragedModel::AxesDynamics {
+  double decay;     // xi0 w0
+  double coupling;  // w0^2 / (2 w)
+  double turning;   // theta' / (2 w)
+  double cosine;    // of 2 theta
+  double sine;
+  PatternDrive drive;
+  Eigen::Vector2d force;            // rate of (a, b) per ks
+  Eigen::Matrix2d force_by_angles;  // with respect to (theta, phi)
+
+  double alongAxes(double first, double second) const { return first * cosine + second * sine; }
+  double acrossAxes(double first, double second) const { return second * cosine - first * sine; }
+
+  // Damping and stiffness act on the motion, whose axes are not quite those of the envelope while
+  // the pattern turns: on (a + e b, b + e a) and (a - e b, b - e a), e = theta' / (2 w).
+  Eigen::Vector2d dampedAxes(const Eigen::Vector2d& axes) const {
+    return {axes[0] + turning * axes[1], axes[1] + turning * axes[0]};
+  }
+  Eigen::Vector2d sprungAxes(const Eigen::Vector2d& axes) const {
+    return {axes[0] - turning * axes[1], axes[1] - turning * axes[0]};
+  }
+
+  Eigen::Matrix2d matrix(const DeviceParameters& device) const {
+    const double gamma = alongAxes(device.gamma1, device.gamma2);
+    const double mu = coupling * acrossAxes(device.mu1, device.mu2);
+    const double a_decay = decay * (1.0 + gamma);
+    const double b_decay = decay * (1.0 - gamma);
+    Eigen::Matrix2d result;
+    result << -a_decay - turning * mu, mu - turning * a_decay,  //
+        -mu - turning * b_decay, -b_decay + turning * mu;
+    return result;
+  }
+
+  Eigen::Matrix<double, 2, 5> byParameters(const Eigen::Vector2d& axes) const {
+    const Eigen::Vector2d damped = decay * dampedAxes(axes);
+    const Eigen::Vector2d sprung = coupling * sprungAxes(axes);
+    Eigen::Matrix<double, 2, 5> result;
+    result << -cosine * damped[0], -sine * damped[0], -sine * sprung[1], cosine * sprung[1],
+        force[0],  //
+        cosine * damped[1], sine * damped[1], sine * sprung[0], -cosine * sprung[0], force[1];
+    return result;
+  }
+
+  Eigen::Matrix2d byAngles(const Eigen::Vector2d& axes, const DeviceParameters& device) const {
+    const double gamma_slope = 2.0 * decay * acrossAxes(device.gamma1, device.gamma2);
+    const double mu_slope = -2.0 * coupling * alongAxes(device.mu1, device.mu2);
+    const Eigen::Vector2d damped = dampedAxes(axes);
+    const Eigen::Vector2d sprung = sprungAxes(axes);
+    Eigen::Matrix2d result = device.drive_gain * force_by_angles;
+    result(0, 0) += -gamma_slope * damped[0] + mu_slope * sprung[1];
+    result(1, 0) += gamma_slope * damped[1] - mu_slope * sprung[0];
+    return result;
+  }
+};
+
+Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before, const Eigen::Vector2cd& after,
+                           double reference_phase, double reference_frequency, double duration) {
+  const Eigen::Vector2cd step = after - before;
+  const std::complex<double> spread(0.0, 0.5 / (reference_frequency * duration));
+  return spread * (step - step.conjugate() * std::polar(1.0, -2.0 * reference_phase));
+}
+
+AveragedModel::AveragedModel(double natural_frequency, double quality_factor)
+    : angular_frequency_(kTwoPi * natural_frequency),
+      decay_rate_(0.5 * angular_frequency_ / quality_factor) {
+  if (!(natural_frequency > 0.0) || !std::isfinite(natural_frequency)) {
+    throw std::invalid_argument("averaged model: natural_frequency must be above 0 Hz");
+  }
+  if (!(quality_factor > 0.0) || !std::isfinite(quality_factor)) {
+    throw std::invalid_argument("averaged model: quality_factor must be above 0");
+  }
+}
+
+AveragedModel::AxesDynamics AveragedModel::axesDynamics(const Orbit& orbit,
+                                                        const AveragedInput& input) const {
+  const double cosine = std::cos(orbit.theta);
+  const double sine = std::sin(orbit.theta);
+  const PatternDrive drive = turnDrive(cosine, sine, orbit.phi, input.drive);
+  const double scale = 0.5 / input.reference_frequency;
+  AxesDynamics dynamics;
+  dynamics.decay = decay_rate_;
+  dynamics.coupling = scale * angular_frequency_ * angular_frequency_;
+  dynamics.turning = scale * input.pattern_rate;
+  dynamics.cosine = cosine * cosine - sine * sine;
+  dynamics.sine = 2.0 * cosine * sine;
+  dynamics.drive = drive;
+  dynamics.force << scale * drive.along.imag(), scale * drive.across.real();
+  // Turning the pattern turns F1 into F2 and F2 into -F1; turning phi multiplies both by -i.
+  dynamics.force_by_angles << scale * drive.across.imag(), -scale * drive.along.real(),
+      -scale * drive.along.real(), scale * drive.across.imag();
+  return dynamics;
+}
+
+OrbitRates AveragedModel::rates(const Orbit& orbit, const DeviceParameters& device,
+                                const AveragedInput& input) const {
+  const AxesDynamics dynamics = axesDynamics(orbit, input);
+  const PatternDrive& drive = dynamics.drive;
+  const double a = orbit.a;
+  const double b = orbit.b;
+  const double frequency = input.reference_frequency;
+  const double detuning = 0.5 * (angular_frequency_ * angular_frequency_ / frequency - frequency);
+  const double drive_scale = 0.5 * device.drive_gain / frequency;
+  const double mu_along = dynamics.coupling * dynamics.alongAxes(device.mu1, device.mu2);
+  const double gamma_across = decay_rate_ * dynamics.acrossAxes(device.gamma1, device.gamma2);
+
+  // phi' a + theta' b and phi' b + theta' a: the rates at which the envelope turns, in pattern
+  // axes.
+  const double along = (detuning + mu_along) * a + (gamma_across - input.rotation_rate) * b -
+                       drive_scale * drive.along.real();
+  const double across = (detuning - mu_along) * b - (gamma_across + input.rotation_rate) * a +
+                        drive_scale * drive.across.imag();
+  const double difference = a * a - b * b;
+
+  const Eigen::Vector2d axes =
+      dynamics.matrix(device) * Eigen::Vector2d(a, b) + device.drive_gain * dynamics.force;
+  OrbitRates rates;
+  rates.a = axes[0];
+  rates.b = axes[1];
+  rates.theta = (a * across - b * along) / difference;
+  rates.phi = (a * along - b * across) / difference;
+  return rates;
+}
+
+AxesRates AveragedModel::axesRates(const Orbit& orbit, const DeviceParameters& device,
+                                   const AveragedInput& input) const {
+  const AxesDynamics dynamics = axesDynamics(orbit, input);
+  const Eigen::Vector2d axes(orbit.a, orbit.b);
+  AxesRates result;
+  result.by_axes = dynamics.matrix(device);
+  result.rate = result.by_axes * axes + device.drive_gain * dynamics.force;
+  result.by_angles = dynamics.byAngles(axes, device);
+  result.by_parameters = dynamics.byParameters(axes);
+  return result;
+}
+
+AxesStep AveragedModel::axesStep(const Orbit& orbit, const DeviceParameters& device,
+                                 const AveragedInput& input, double duration) const {
+  const AxesDynamics dynamics = axesDynamics(orbit, input);
+  const Eigen::Vector2d axes(orbit.a, orbit.b);
+  const Eigen::Matrix2d matrix = dynamics.matrix(device);
+  const Eigen::Vector2d force = device.drive_gain * dynamics.force;
+  const Eigen::Vector2d middle = axes + 0.5 * duration * (matrix * axes + force);
+
+  AxesStep step;
+  step.axes = axes + duration * (matrix * middle + force);
+  step.by_axes = duration * matrix * (Eigen::Matrix2d::Identity() + 0.5 * duration * matrix);
+  step.by_axes.diagonal().array() += 1.0;
+  step.rate_by_angles = dynamics.byAngles(axes, device);
+  step.by_parameters = duration * (dynamics.byParameters(middle) +
+                                   0.5 * duration * matrix * dynamics.byParameters(axes));
+  return step;
+}
+
+Orbit AveragedModel::integrate(const Orbit& orbit, const DeviceParameters& device,
+                               const AveragedInput& input, double duration, int steps) const {
+  const double h = duration / steps;
+  const auto moved = [](const Orbit& from, const OrbitRates& rates, double time) {
+    return Orbit{from.a + time * rates.a, from.b + time * rates.b, from.theta + time * rates.theta,
+                 from.phi + time * rates.phi};
+  };
+  Orbit now = orbit;
+  for (int k = 0; k < steps; ++k) {
+    const OrbitRates first = rates(now, device, input);
+    const OrbitRates second = rates(moved(now, first, 0.5 * h), device, input);
+    const OrbitRates third = rates(moved(now, second, 0.5 * h), device, input);
+    const OrbitRates fourth = rates(moved(now, third, h), device, input);
+    const auto mean = [](double k1, double k2, double k3, double k4) {
+      return (k1 + 2.0 * (k2 + k3) + k4) / 6.0;
+    };
+    now = moved(
+        now,
+        {mean(first.a, second.a, third.a, fourth.a), mean(first.b, second.b, third.b, fourth.b),
+         mean(first.theta, second.theta, third.theta, fourth.theta),
+         mean(first.phi, second.phi, third.phi, fourth.phi)},
+        h);
+  }
+  return now;
+}
+
+}  // namespace ring_gyro

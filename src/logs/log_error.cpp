@@ -1,0 +1,26 @@
+#include "ring_gyro/logs/log_error.h"
+
+namespace ring_gyro {
+
+LogError::LogError(const std::string& file, const std::string& place, const std::string& fault,
+                   const std::string& mend)
+    : std::runtime_error(file + (place.empty() ? "" : ", " + place) + ": " + fault +
+                         (mend.empty() ? "" : "; " + mend)) {}
+
+const char* toString(RowFault fault) {
+  switch (fault) {
+    case RowFault::kRagged:
+      return "with another number of fields";
+    case RowFault::kNotANumber:
+      return "with something that is no number";
+    case RowFault::kNotFinite:
+      return "with NaN or infinity";
+    case RowFault::kTime:
+      return "whose time does not follow";
+    case RowFault::kCount:
+      break;
+  }
+  return "";
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,110 @@
+#include "ring_gyro/nodes/compensation_injector_node.h"
+
+#include <ros/console.h>
+
+#include <utility>
+#include <vector>
+
+#include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/topics.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr std::uint32_t kUnlimited = 0;
+
+}  // namespace
+
+CompensationInjectorNode::CompensationInjectorNode(ros::NodeHandle handle,
+                                                   ros::NodeHandle private_handle,
+                                                   const NodeConfiguration& configuration,
+                                                   NodeHost host)
+    : handle_(std::move(handle)),
+      period_blocks_(configuration.loop.periodBlocks()),
+      injector_(configuration.loop.compensation, static_cast<std::int64_t>(period_blocks_)),
+      gains_(Output::advertise<ring_gyro_msgs::CompensationGains>(
+          handle_, topics::kCompensationGains, true)),
+      enable_service_(
+          private_handle.advertiseService("enable", &CompensationInjectorNode::enable, this)),
+      hold_service_(private_handle.advertiseService("hold", &CompensationInjectorNode::hold, this)),
+      reset_service_(
+          private_handle.advertiseService("reset", &CompensationInjectorNode::reset, this)),
+      departure_(handle_, configuration.node, std::move(host), {gains_}, [this] { leave(); }),
+      diagnostics_(handle_, private_handle, private_handle.getNamespace(),
+                   [this](auto& status) { report(status); }) {
+  const auto required = static_cast<std::size_t>(configuration.node.required_subscribers);
+  gate_ = std::make_unique<StartGate>(
+      handle_, std::vector<StartGate::Requirement>{{gains_, required}}, [this] { start(); });
+}
+
+void CompensationInjectorNode::start() {
+  estimate_subscriber_ = handle_.subscribe<ring_gyro_msgs::ParameterEstimate>(
+      topics::kParameterEstimate, kUnlimited,
+      [this](const ring_gyro_msgs::ParameterEstimate::ConstPtr& message) { onEstimate(*message); },
+      ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+}
+
+void CompensationInjectorNode::onEstimate(const ring_gyro_msgs::ParameterEstimate& message) {
+  fromMessage(message, estimate_);
+  decision_ = injector_.decide(estimate_);
+  ++decisions_;
+  const auto gains = boost::make_shared<ring_gyro_msgs::CompensationGains>();
+  toMessage(*decision_, message.header.stamp, *gains);
+  gains_.publish(gains);
+  // No estimate covers the blocks after the last whole period.
+  departure_.processed(estimate_.stamp.sequence + period_blocks_ - 1);
+}
+
+bool CompensationInjectorNode::enable(std_srvs::SetBool::Request& request,
+                                      std_srvs::SetBool::Response& response) {
+  injector_.setEnabled(request.data != 0);
+  response.success = true;
+  response.message = request.data ? "compensation follows the estimates"
+                                  : "compensation ramps to zero and stays there";
+  return true;
+}
+
+bool CompensationInjectorNode::hold(std_srvs::SetBool::Request& request,
+                                    std_srvs::SetBool::Response& response) {
+  injector_.setHold(request.data != 0);
+  response.success = true;
+  response.message =
+      request.data ? "compensation stays as it is" : "compensation follows the estimates again";
+  return true;
+}
+
+bool CompensationInjectorNode::reset(std_srvs::Trigger::Request&,
+                                     std_srvs::Trigger::Response& response) {
+  injector_.reset();
+  response.success = true;
+  response.message = "compensation is zero from the next decision on";
+  return true;
+}
+
+void CompensationInjectorNode::leave() {
+  estimate_subscriber_.shutdown();
+  if (!decision_) {
+    ROS_WARN("the run ended before the first decision");
+    return;
+  }
+  ROS_INFO("last of %lu decisions: %s, cancels gamma (%.6f, %.6f)",
+           static_cast<unsigned long>(decisions_), toString(decision_->state), decision_->gamma1,
+           decision_->gamma2);
+}
+
+void CompensationInjectorNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!decision_) {
+    status.summary(DiagnosticStatus::OK, "waiting for estimates");
+    return;
+  }
+  const bool limited = decision_->state == InjectorState::kLimited;
+  status.summary(limited ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
+                 toString(decision_->state));
+  status.add("decisions", decisions_);
+  status.add("effective sequence", decision_->effective_sequence);
+  status.add("gamma 1 cancelled", decision_->gamma1);
+  status.add("gamma 2 cancelled", decision_->gamma2);
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,84 @@
+#include "ring_gyro/nodes/departure.h"
+
+#include <ros/console.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "ring_gyro/ros/topics.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr double kTick = 0.05;  // wall time [s]
+constexpr int kIdleTicks = 40;  // without a new block: what is missing has been lost
+constexpr int kFlushTicks = 4;  // for what the sockets still hold
+
+}  // namespace
+
+Departure::Departure(ros::NodeHandle& handle, const NodeParameters& parameters, NodeHost host,
+                     std::vector<Output> outputs, std::function<void()> leave)
+    : allowed_subscribers_(static_cast<std::size_t>(parameters.recorders)),
+      // Less than the plant waits, so that the plant ends last.
+      ticks_allowed_(static_cast<int>(std::ceil(0.5 * parameters.exit_timeout / kTick))),
+      host_(std::move(host)),
+      outputs_(std::move(outputs)),
+      leave_(std::move(leave)) {
+  subscriber_ = handle.subscribe<ring_gyro_msgs::EndOfRun>(
+      topics::kEndOfRun, 1,
+      [this](const ring_gyro_msgs::EndOfRun::ConstPtr& message) { onEndOfRun(*message); });
+  timer_ = handle.createWallTimer(
+      ros::WallDuration(kTick), [this](const ros::WallTimerEvent&) { tick(); }, false, false);
+}
+
+void Departure::onEndOfRun(const ring_gyro_msgs::EndOfRun& message) {
+  if (leaving_) return;
+  announced_ = true;
+  last_sequence_ = message.last_sequence;
+  timer_.start();
+  leaveIfDone();
+}
+
+void Departure::leaveIfDone() {
+  if (any_processed_ && last_processed_ >= last_sequence_) leave();
+}
+
+void Departure::leaveNow() {
+  if (leaving_) return;
+  timer_.start();
+  leave();
+}
+
+void Departure::leave() {
+  leaving_ = true;
+  leave_();
+}
+
+void Departure::tick() {
+  if (!leaving_) {
+    idle_ticks_ = last_processed_ == processed_at_tick_ ? idle_ticks_ + 1 : 0;
+    processed_at_tick_ = last_processed_;
+    if (idle_ticks_ < kIdleTicks) return;
+    ROS_WARN("the run ended with block %lu, the last that came was %lu: the rest has been lost",
+             static_cast<unsigned long>(last_sequence_),
+             static_cast<unsigned long>(last_processed_));
+    leave();
+    return;
+  }
+  ++leaving_ticks_;
+  std::string listeners;
+  for (const Output& output : outputs_) {
+    if (output.subscribers() > allowed_subscribers_) {
+      listeners += " " + output.topic() + ": " + output.listeners();
+    }
+  }
+  if (!listeners.empty() && leaving_ticks_ < ticks_allowed_) return;
+  if (listeners.empty() && leaving_ticks_ < kFlushTicks) return;
+  if (!listeners.empty()) ROS_WARN("leaving although there are listeners;%s", listeners.c_str());
+  timer_.stop();
+  subscriber_.shutdown();
+  host_.finish();
+}
+
+}  // namespace ring_gyro

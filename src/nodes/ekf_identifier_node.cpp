@@ -1,0 +1,139 @@
+#include "ring_gyro/nodes/ekf_identifier_node.h"
+
+#include <ros/console.h>
+
+#include <exception>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/topics.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr std::uint32_t kUnlimited = 0;
+
+}  // namespace
+
+EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+                                     const NodeConfiguration& configuration, NodeHost host)
+    : handle_(std::move(handle)),
+      host_(std::move(host)),
+      configuration_(configuration.loop),
+      parameters_(configuration.node),
+      identifier_(configuration.loop,
+                  [this](const ParameterEstimate& estimate) { take(estimate); }),
+      estimate_output_(Output::advertise<ring_gyro_msgs::ParameterEstimate>(
+          handle_, topics::kParameterEstimate, true)),
+      departure_(handle_, configuration.node, host_, {estimate_output_}, [this] { leave(); }),
+      diagnostics_(handle_, private_handle, private_handle.getNamespace(),
+                   [this](auto& status) { report(status); }) {
+  if (!parameters_.replay.empty()) {
+    replay_end_ =
+        std::make_unique<ReplayEnd>(handle_, parameters_, [this](std::uint64_t not_delivered) {
+          not_delivered_ = not_delivered;
+          departure_.leaveNow();
+        });
+  }
+  const auto required = static_cast<std::size_t>(configuration.node.required_subscribers);
+  gate_ = std::make_unique<StartGate>(
+      handle_, std::vector<StartGate::Requirement>{{estimate_output_, required}},
+      [this] { start(); });
+}
+
+void EkfIdentifierNode::start() {
+  const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
+  elements_subscriber_ = handle_.subscribe<ring_gyro_msgs::OrbitalElements>(
+      topics::kOrbitalElements, kUnlimited,
+      [this](const ring_gyro_msgs::OrbitalElements::ConstPtr& message) {
+        identifier_.add(*message);
+        processed();
+      },
+      ros::VoidConstPtr(), no_delay);
+  gains_subscriber_ = handle_.subscribe<ring_gyro_msgs::ControlGains>(
+      topics::kControlGains, kUnlimited,
+      [this](const ring_gyro_msgs::ControlGains::ConstPtr& message) {
+        identifier_.add(*message);
+        processed();
+      },
+      ros::VoidConstPtr(), no_delay);
+}
+
+void EkfIdentifierNode::take(const ParameterEstimate& estimate) {
+  if (!estimate.value.allFinite() || !estimate.covariance.allFinite()) {
+    host_.fail("the estimate of block " + std::to_string(estimate.stamp.sequence) +
+               " is not finite");
+    return;
+  }
+  const auto message = boost::make_shared<ring_gyro_msgs::ParameterEstimate>();
+  toMessage(estimate, *message);
+  estimate_output_.publish(message);
+}
+
+void EkfIdentifierNode::processed() {
+  departure_.processed(identifier_.lastSequence());
+  if (replay_end_) replay_end_->received();
+}
+
+void EkfIdentifierNode::leave() {
+  elements_subscriber_.shutdown();
+  gains_subscriber_.shutdown();
+  identifier_.flush();
+  IdentificationResult result;
+  result.report = identifier_.report();
+  result.report.not_delivered = not_delivered_;
+  if (!parameters_.replay.empty()) result.sources.push_back(parameters_.replay);
+  const std::string failure = failureOf(result.report, configuration_);
+  if (!failure.empty()) ROS_WARN("not identified: %s", failure.c_str());
+  for (const std::string& fault : faultsOf(result.report, configuration_)) {
+    ROS_WARN("%s", fault.c_str());
+  }
+  ROS_INFO("identification\n%s", identificationText(result, configuration_).c_str());
+  if (parameters_.report.empty()) return;
+  try {
+    writeWholeFile(parameters_.report, identificationJson({result}, configuration_));
+  } catch (const std::exception& error) {
+    host_.fail(error.what());
+  }
+}
+
+void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  const IdentificationReport now = identifier_.report();
+  const PairMerge::Counts& counts = now.pairs;
+  const TimeGuard::Counts& elements = now.elements;
+  const TimeGuard::Counts& gains = now.gains;
+  const std::uint64_t lost =
+      elements.lost + gains.lost + counts.elements_alone + counts.gains_alone;
+  if (counts.pairs == 0) {
+    status.summary(DiagnosticStatus::OK, "waiting for orbital elements and control gains");
+  } else if (lost > 0) {
+    status.summary(DiagnosticStatus::WARN, "identifying, blocks have been lost");
+  } else {
+    status.summary(DiagnosticStatus::OK,
+                   now.estimate && now.estimate->converged ? "converged" : "identifying");
+  }
+  status.add("blocks", counts.pairs);
+  status.add("elements without gains", counts.elements_alone);
+  status.add("gains without elements", counts.gains_alone);
+  status.add("lost blocks", elements.lost);
+  status.add("duplicates", elements.duplicates + gains.duplicates);
+  status.add("steps back", elements.steps_back);
+  status.add("zero stamps", elements.zero_stamps + gains.zero_stamps);
+  status.add("new sessions", elements.new_sessions);
+  status.add("restarts of the filter", now.filter_restarts);
+  if (!now.estimate) return;
+  status.add("used blocks", now.estimate->used_blocks);
+  status.add("rejected blocks", now.estimate->rejected_blocks);
+  const char* const names[] = {"a [V]", "b [V]", "gamma 1",   "gamma 2",
+                               "mu 1",  "mu 2",  "ks [1/s^2]"};
+  for (int i = 0; i < 7; ++i) {
+    status.addf(names[i], "%.9g +- %.2g", now.estimate->value[i],
+                now.estimate->sigma(static_cast<StateIndex>(i)));
+  }
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,89 @@
+#include <nodelet/nodelet.h>
+#include <ros/callback_queue.h>
+#include <ros/console.h>
+#include <ros/init.h>
+
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <pluginlib/class_list_macros.hpp>
+#include <string>
+
+#include "node_main.h"
+#include "ring_gyro/nodes/compensation_injector_node.h"
+#include "ring_gyro/nodes/control_loops_node.h"
+#include "ring_gyro/nodes/ekf_identifier_node.h"
+#include "ring_gyro/nodes/plant_simulator_node.h"
+
+namespace ring_gyro {
+
+/// A node as a nodelet. When its parameters are wrong the manager refuses to load it, with the same
+/// lines as the process has.
+template <typename Node>
+class NodeletOf : public nodelet::Nodelet {
+ public:
+  /// `ends_manager`: the manager has nothing more to do when this nodelet has finished.
+  explicit NodeletOf(bool ends_manager) : ends_manager_(ends_manager) {}
+
+ private:
+  void onInit() override {
+    try {
+      NodeHost host;
+      host.finish = [this] {
+        if (ends_manager_) ros::shutdown();
+      };
+      host.fail = [](const std::string& why) {
+        logFatalLines(why);
+        ros::shutdown();
+        // The manager's main() knows no exit code but zero.
+        std::quick_exit(EXIT_FAILURE);
+      };
+      node_ = std::make_unique<Node>(inMainThread(getNodeHandle()),
+                                     inMainThread(getPrivateNodeHandle()),
+                                     readNodeConfiguration(getPrivateNodeHandle()), host);
+    } catch (const std::exception& error) {
+      logFatalLines(error.what());
+      throw;
+    }
+  }
+
+  /// Callbacks of all nodelets of the loop come from the manager's own queue, in its main thread: a
+  /// block goes round without being handed from thread to thread, which would take most of its
+  /// time.
+  static ros::NodeHandle inMainThread(const ros::NodeHandle& handle) {
+    ros::NodeHandle result(handle);
+    result.setCallbackQueue(ros::getGlobalCallbackQueue());
+    return result;
+  }
+
+  bool ends_manager_;
+  std::unique_ptr<Node> node_;
+};
+
+/// The plant stays until nobody listens any more: it is the last to finish.
+class PlantSimulatorNodelet : public NodeletOf<PlantSimulatorNode> {
+ public:
+  PlantSimulatorNodelet() : NodeletOf(true) {}
+};
+
+class ControlLoopsNodelet : public NodeletOf<ControlLoopsNode> {
+ public:
+  ControlLoopsNodelet() : NodeletOf(false) {}
+};
+
+class EkfIdentifierNodelet : public NodeletOf<EkfIdentifierNode> {
+ public:
+  EkfIdentifierNodelet() : NodeletOf(false) {}
+};
+
+class CompensationInjectorNodelet : public NodeletOf<CompensationInjectorNode> {
+ public:
+  CompensationInjectorNodelet() : NodeletOf(false) {}
+};
+
+}  // namespace ring_gyro
+
+PLUGINLIB_EXPORT_CLASS(ring_gyro::PlantSimulatorNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ring_gyro::ControlLoopsNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ring_gyro::EkfIdentifierNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ring_gyro::CompensationInjectorNodelet, nodelet::Nodelet)

@@ -1,0 +1,282 @@
+#include "ring_gyro/ros/conversions.h"
+
+#include <cmath>
+
+#include "ring_gyro/common/angle.h"
+#include "ring_gyro/demodulation/orbital_elements.h"
+
+namespace ring_gyro {
+namespace {
+
+/// The fields that all messages of a block have: end of the block, session, sequence, duration.
+template <typename Message>
+void stampToMessage(const BlockStamp& stamp, Message& message) {
+  message.header.stamp = timeFromNanoseconds(stamp.end_ns);
+  message.session = stamp.session;
+  message.sequence = stamp.sequence;
+  message.duration = static_cast<std::uint64_t>(stamp.duration_ns);
+}
+
+template <typename Message>
+BlockStamp stampFromMessage(const Message& message) {
+  return {message.session, message.sequence, nanosecondsFromTime(message.header.stamp),
+          static_cast<std::int64_t>(message.duration)};
+}
+
+void envelopeToMessage(const Eigen::Vector2cd& envelope, ring_gyro_msgs::Envelope& message) {
+  message.x_real = envelope[0].real();
+  message.x_imag = envelope[0].imag();
+  message.y_real = envelope[1].real();
+  message.y_imag = envelope[1].imag();
+}
+
+Eigen::Vector2cd envelopeFromMessage(const ring_gyro_msgs::Envelope& message) {
+  return {std::complex<double>(message.x_real, message.x_imag),
+          std::complex<double>(message.y_real, message.y_imag)};
+}
+
+void statusToMessage(const LoopStatus& status, ring_gyro_msgs::LoopStatus& message) {
+  message.amplitude_locked = status.amplitude_locked;
+  message.quadrature_locked = status.quadrature_locked;
+  message.phase_locked = status.phase_locked;
+  message.invalid_samples = status.invalid_samples;
+  message.converter_saturated = status.converter_saturated;
+  message.drive_saturated = status.drive_saturated;
+}
+
+LoopStatus statusFromMessage(const ring_gyro_msgs::LoopStatus& message) {
+  LoopStatus status;
+  status.amplitude_locked = message.amplitude_locked != 0;
+  status.quadrature_locked = message.quadrature_locked != 0;
+  status.phase_locked = message.phase_locked != 0;
+  status.invalid_samples = message.invalid_samples != 0;
+  status.converter_saturated = message.converter_saturated != 0;
+  status.drive_saturated = message.drive_saturated != 0;
+  return status;
+}
+
+}  // namespace
+
+ros::Time timeFromNanoseconds(std::int64_t nanoseconds) {
+  return ros::Time().fromNSec(static_cast<std::uint64_t>(nanoseconds));
+}
+
+std::int64_t nanosecondsFromTime(const ros::Time& time) {
+  return static_cast<std::int64_t>(time.toNSec());
+}
+
+void toMessage(const DisplacementBlock& block, ring_gyro_msgs::DisplacementBlock& message) {
+  stampToMessage(block.stamp, message);
+  message.driven = block.driven;
+  message.drive_answers_sequence = block.drive_answers_sequence;
+  message.reference_phase = block.reference_phase;
+  message.reference_frequency = block.reference_frequency;
+  message.saturated_samples = block.saturated_samples;
+  message.x = block.x;
+  message.y = block.y;
+}
+
+void fromMessage(const ring_gyro_msgs::DisplacementBlock& message, DisplacementBlock& block) {
+  block.stamp = stampFromMessage(message);
+  block.driven = message.driven != 0;
+  block.drive_answers_sequence = message.drive_answers_sequence;
+  block.reference_phase = message.reference_phase;
+  block.reference_frequency = message.reference_frequency;
+  block.saturated_samples = message.saturated_samples;
+  block.x = message.x;
+  block.y = message.y;
+}
+
+void toMessage(const DriveCommand& command, const BlockStamp& answered,
+               ring_gyro_msgs::DriveCommand& message) {
+  message.header.stamp = timeFromNanoseconds(answered.end_ns);
+  message.session = answered.session;
+  message.answers_sequence = command.answers_sequence;
+  message.reference_phase = command.reference_phase;
+  message.reference_frequency = command.reference_frequency;
+  envelopeToMessage(command.envelope, message.envelope);
+}
+
+void fromMessage(const ring_gyro_msgs::DriveCommand& message, DriveCommand& command) {
+  command.answers_sequence = message.answers_sequence;
+  command.reference_phase = message.reference_phase;
+  command.reference_frequency = message.reference_frequency;
+  command.envelope = envelopeFromMessage(message.envelope);
+}
+
+void toMessage(const OrbitalElements& elements, ring_gyro_msgs::OrbitalElements& message) {
+  stampToMessage(elements.stamp, message);
+  message.group_delay = elements.group_delay;
+  message.a = elements.orbit.a;
+  message.b = elements.orbit.b;
+  message.theta = elements.orbit.theta;
+  message.phi = elements.orbit.phi;
+  message.theta_rate = elements.theta_rate;
+  message.turns = static_cast<std::int32_t>(std::trunc(elements.orbit.theta / kTwoPi));
+  statusToMessage(elements.status, message.status);
+}
+
+void fromMessage(const ring_gyro_msgs::OrbitalElements& message, OrbitalElements& elements) {
+  elements.stamp = stampFromMessage(message);
+  elements.group_delay = message.group_delay;
+  elements.orbit = {message.a, message.b, message.theta, message.phi};
+  elements.theta_rate = message.theta_rate;
+  elements.status = statusFromMessage(message.status);
+}
+
+void toMessage(const ControlGains& gains, ring_gyro_msgs::ControlGains& message) {
+  stampToMessage(gains.stamp, message);
+  message.reference_frequency = gains.reference_frequency;
+  message.reference_phase = gains.reference_phase;
+  message.beta = gains.beta;
+  message.alpha = gains.alpha;
+  message.virtual_rate = gains.virtual_rate;
+  message.compensation_gain_1 = gains.compensation.gain1;
+  message.compensation_gain_2 = gains.compensation.gain2;
+  envelopeToMessage(gains.drive.total(), message.drive);
+  envelopeToMessage(gains.drive.sustain, message.sustain);
+  envelopeToMessage(gains.drive.quadrature, message.quadrature);
+  envelopeToMessage(gains.drive.steering, message.steering);
+  envelopeToMessage(gains.drive.compensation, message.compensation);
+  statusToMessage(gains.status, message.status);
+}
+
+void fromMessage(const ring_gyro_msgs::ControlGains& message, ControlGains& gains) {
+  gains.stamp = stampFromMessage(message);
+  gains.reference_frequency = message.reference_frequency;
+  gains.reference_phase = message.reference_phase;
+  gains.beta = message.beta;
+  gains.alpha = message.alpha;
+  gains.virtual_rate = message.virtual_rate;
+  gains.compensation = {message.compensation_gain_1, message.compensation_gain_2};
+  gains.drive.sustain = envelopeFromMessage(message.sustain);
+  gains.drive.quadrature = envelopeFromMessage(message.quadrature);
+  gains.drive.steering = envelopeFromMessage(message.steering);
+  gains.drive.compensation = envelopeFromMessage(message.compensation);
+  gains.status = statusFromMessage(message.status);
+}
+
+void toMessage(const ParameterEstimate& estimate, ring_gyro_msgs::ParameterEstimate& message) {
+  message.header.stamp = timeFromNanoseconds(estimate.stamp.end_ns);
+  message.session = estimate.stamp.session;
+  message.first_sequence = estimate.first_sequence;
+  message.last_sequence = estimate.stamp.sequence;
+  message.duration = static_cast<std::uint64_t>(estimate.stamp.duration_ns);
+  message.used_blocks = estimate.used_blocks;
+  message.rejected_blocks = estimate.rejected_blocks;
+  message.lost_blocks = estimate.lost_blocks;
+  message.updated = estimate.updated;
+  for (int i = 0; i < 7; ++i) {
+    message.value[i] = estimate.value[i];
+    message.sigma[i] = estimate.sigma(static_cast<StateIndex>(i));
+    for (int j = 0; j < 7; ++j) message.covariance[7 * i + j] = estimate.covariance(i, j);
+  }
+  for (int i = 0; i < 2; ++i) {
+    message.innovation[i] = estimate.innovation[i];
+    for (int j = 0; j < 2; ++j) {
+      message.innovation_covariance[2 * i + j] = estimate.innovation_covariance(i, j);
+    }
+  }
+  message.normalised_innovation_squared = estimate.normalised_innovation_squared;
+  message.residual_gamma_1 = estimate.residual_gamma1;
+  message.residual_gamma_2 = estimate.residual_gamma2;
+  message.angle_covered = estimate.angle_covered;
+  message.converged = estimate.converged;
+}
+
+void fromMessage(const ring_gyro_msgs::ParameterEstimate& message, ParameterEstimate& estimate) {
+  estimate.stamp = {message.session, message.last_sequence,
+                    nanosecondsFromTime(message.header.stamp),
+                    static_cast<std::int64_t>(message.duration)};
+  estimate.first_sequence = message.first_sequence;
+  estimate.used_blocks = message.used_blocks;
+  estimate.rejected_blocks = message.rejected_blocks;
+  estimate.lost_blocks = message.lost_blocks;
+  estimate.updated = message.updated != 0;
+  for (int i = 0; i < 7; ++i) {
+    estimate.value[i] = message.value[i];
+    for (int j = 0; j < 7; ++j) estimate.covariance(i, j) = message.covariance[7 * i + j];
+  }
+  for (int i = 0; i < 2; ++i) {
+    estimate.innovation[i] = message.innovation[i];
+    for (int j = 0; j < 2; ++j) {
+      estimate.innovation_covariance(i, j) = message.innovation_covariance[2 * i + j];
+    }
+  }
+  estimate.normalised_innovation_squared = message.normalised_innovation_squared;
+  estimate.residual_gamma1 = message.residual_gamma_1;
+  estimate.residual_gamma2 = message.residual_gamma_2;
+  estimate.angle_covered = message.angle_covered;
+  estimate.converged = message.converged != 0;
+}
+
+void toMessage(const CompensationDecision& decision, const ros::Time& data_stamp,
+               ring_gyro_msgs::CompensationGains& message) {
+  message.header.stamp = data_stamp;
+  message.session = decision.session;
+  message.effective_sequence = decision.effective_sequence;
+  message.data_sequence = decision.data_sequence;
+  message.gain_1 = decision.gains.gain1;
+  message.gain_2 = decision.gains.gain2;
+  message.gamma_1 = decision.gamma1;
+  message.gamma_2 = decision.gamma2;
+  message.state = static_cast<std::uint8_t>(decision.state);
+}
+
+void fromMessage(const ring_gyro_msgs::CompensationGains& message, CompensationDecision& decision) {
+  decision.session = message.session;
+  decision.effective_sequence = message.effective_sequence;
+  decision.data_sequence = message.data_sequence;
+  decision.gains = {message.gain_1, message.gain_2};
+  decision.gamma1 = message.gamma_1;
+  decision.gamma2 = message.gamma_2;
+  decision.state = static_cast<InjectorState>(message.state);
+}
+
+void toMessage(const PlantTruth& truth, ring_gyro_msgs::PlantTruth& message) {
+  stampToMessage(truth.stamp, message);
+  envelopeToMessage(truth.envelope, message.envelope);
+  const Orbit orbit = orbitFromEnvelope(truth.envelope);
+  message.a = orbit.a;
+  message.b = orbit.b;
+  message.theta = orbit.theta;
+  message.phi = orbit.phi;
+  message.rotation_rate = truth.rotation_rate;
+  message.rotation_angle = truth.rotation_angle;
+  message.natural_frequency = truth.natural_frequency;
+  message.quality_factor = truth.quality_factor;
+  message.gamma_1 = truth.gamma1;
+  message.gamma_2 = truth.gamma2;
+  message.mu_1 = truth.mu1;
+  message.mu_2 = truth.mu2;
+  message.drive_gain = truth.drive_gain;
+}
+
+void fromMessage(const ring_gyro_msgs::PlantTruth& message, PlantTruth& truth) {
+  truth.stamp = stampFromMessage(message);
+  truth.envelope = envelopeFromMessage(message.envelope);
+  truth.rotation_rate = message.rotation_rate;
+  truth.rotation_angle = message.rotation_angle;
+  truth.natural_frequency = message.natural_frequency;
+  truth.quality_factor = message.quality_factor;
+  truth.gamma1 = message.gamma_1;
+  truth.gamma2 = message.gamma_2;
+  truth.mu1 = message.mu_1;
+  truth.mu2 = message.mu_2;
+  truth.drive_gain = message.drive_gain;
+}
+
+void toMessage(const OrbitalElements& elements, double angular_gain, const std::string& frame,
+               sensor_msgs::Imu& message) {
+  message.header.stamp = timeFromNanoseconds(elements.stamp.end_ns);
+  message.header.frame_id = frame;
+  const double angle = -elements.orbit.theta / angular_gain;
+  message.orientation.x = 0.0;
+  message.orientation.y = 0.0;
+  message.orientation.z = std::sin(0.5 * angle);
+  message.orientation.w = std::cos(0.5 * angle);
+  message.angular_velocity.z = -elements.theta_rate / angular_gain;
+  message.linear_acceleration_covariance[0] = -1.0;
+}
+
+}  // namespace ring_gyro

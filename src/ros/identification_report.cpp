@@ -1,0 +1,338 @@
+#include "ring_gyro/ros/identification_report.h"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+#include <variant>
+
+#include "ring_gyro/common/angle.h"
+#include "ring_gyro/configuration/parameter_text.h"
+
+namespace ring_gyro {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kConstantAngle = 0.01;       // a pattern that covers less than this stands [rad]
+constexpr double kFrequencyTolerance = 5e-3;  // of the NCO against the configured f0, relative
+
+struct State {
+  const char* name;
+  const char* unit;
+};
+constexpr State kStates[] = {{"a", "V"},   {"b", "V"},   {"gamma1", "1"}, {"gamma2", "1"},
+                             {"mu1", "1"}, {"mu2", "1"}, {"ks", "1/s^2"}};
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+std::string
+format(const char* pattern, ...) {
+  char line[512];
+  std::va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(line, sizeof(line), pattern, arguments);
+  va_end(arguments);
+  return line;
+}
+
+std::string number(std::uint64_t value) { return std::to_string(value); }
+
+std::uint64_t unusableTotal(const UnusableBlocks& unusable) {
+  return unusable.not_finite + unusable.no_amplitude + unusable.wrong_duration +
+         unusable.invalid_samples + unusable.saturated + unusable.not_locked;
+}
+
+/// The reasons that occurred: "12 not finite, 3 not locked".
+std::string unusableText(const UnusableBlocks& unusable) {
+  std::string text;
+  const std::pair<std::uint64_t, const char*> reasons[] = {
+      {unusable.not_finite, "not finite"},
+      {unusable.no_amplitude, "without amplitude (a not above |b|)"},
+      {unusable.wrong_duration, "of another duration than configured"},
+      {unusable.invalid_samples, "with invalid samples"},
+      {unusable.saturated, "saturated"},
+      {unusable.not_locked, "not locked"}};
+  for (const auto& [count, reason] : reasons) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + number(count) + " " + reason;
+  }
+  return text;
+}
+
+/// Messages that lost their partner, other than where recording began and ended.
+std::uint64_t aloneWithin(const IdentificationReport& report) {
+  return report.pairs.elements_alone + report.pairs.gains_alone - report.alone_at_start -
+         report.alone_at_end;
+}
+
+std::string noPairs(const IdentificationReport& report) {
+  if (report.elements.zero_stamps + report.gains.zero_stamps > 0) {
+    return "every stamp is zero: have the source set header.stamp to the end of the block";
+  }
+  if (report.elements.accepted == 0 || report.gains.accepted == 0) {
+    return "no message in the chosen span: give another --start or --duration";
+  }
+  return "no orbital elements and control gains of the same block (session, sequence and stamp): "
+         "record both topics of one run";
+}
+
+std::string noneUsable(const IdentificationReport& report, const LoopConfiguration& configuration) {
+  const UnusableBlocks& unusable = report.unusable;
+  std::string line = "none of " + number(unusableTotal(unusable)) +
+                     " blocks can be used: " + unusableText(unusable) + "; ";
+  if (unusable.wrong_duration > 0) {
+    line += format(
+        "blocks last %g s, the configuration says %g s: set converter/sample_rate and "
+        "converter/block_samples",
+        1e-9 * static_cast<double>(report.wrong_duration_ns),
+        configuration.converter.blockDuration());
+  } else if (unusable.not_finite > 0 || unusable.no_amplitude > 0) {
+    line += "check what recorded a, b, theta, phi and the drive";
+  } else {
+    line += "record on until all loops have locked";
+  }
+  return line;
+}
+
+Json jsonNumber(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json jsonOf(const Parameter& parameter) {
+  return std::visit([](const auto* target) { return Json(*target); }, parameter.target);
+}
+
+/// What the filter was told; the rest of a configuration has no part in it.
+Json settingsJson(const LoopConfiguration& configuration) {
+  static const std::set<std::string> kUsed = {"converter", "device", "identification"};
+  LoopConfiguration copy = configuration;
+  Json settings = Json::object();
+  for (const Section& section : copy.sections()) {
+    if (kUsed.count(section.name) == 0) continue;
+    Json& values = settings[section.name] = Json::object();
+    for (const Parameter& parameter : section.table.parameters()) {
+      values[parameter.key] = jsonOf(parameter);
+    }
+  }
+  return settings;
+}
+
+Json countsJson(const IdentificationReport& report) {
+  const auto& estimate = report.estimate;
+  const UnusableBlocks& unusable = report.unusable;
+  return {{"used", estimate ? estimate->used_blocks : 0},
+          {"dropped", estimate ? estimate->rejected_blocks : 0},
+          {"gaps", estimate ? estimate->lost_blocks : 0},
+          {"pairs", report.pairs.pairs},
+          {"before_start_sequence", report.before_start},
+          {"elements_without_gains", report.pairs.elements_alone},
+          {"gains_without_elements", report.pairs.gains_alone},
+          {"alone_at_the_ends", report.alone_at_start + report.alone_at_end},
+          {"out_of_order", report.elements.steps_back + report.gains.steps_back},
+          {"duplicates", report.elements.duplicates + report.gains.duplicates},
+          {"zero_stamps", report.elements.zero_stamps + report.gains.zero_stamps},
+          {"new_sessions", report.elements.new_sessions},
+          {"filter_restarts", report.filter_restarts},
+          {"not_delivered", report.not_delivered},
+          {"unusable",
+           {{"not_finite", unusable.not_finite},
+            {"no_amplitude", unusable.no_amplitude},
+            {"wrong_duration", unusable.wrong_duration},
+            {"invalid_samples", unusable.invalid_samples},
+            {"saturated", unusable.saturated},
+            {"not_locked", unusable.not_locked}}}};
+}
+
+Json covarianceJson(const StateMatrix& covariance) {
+  Json rows = Json::array();
+  for (int i = 0; i < 7; ++i) {
+    Json row = Json::array();
+    for (int j = 0; j < 7; ++j) row.push_back(jsonNumber(covariance(i, j)));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json consistencyJson(std::uint64_t updates, double sum) {
+  if (updates == 0) return nullptr;
+  const NisBounds bounds = nisBounds(updates);
+  const double mean = sum / static_cast<double>(updates);
+  return {{"updates", updates},
+          {"mean_nis", jsonNumber(mean)},
+          {"lower_95", bounds.lower},
+          {"upper_95", bounds.upper},
+          {"consistent", mean >= bounds.lower && mean <= bounds.upper}};
+}
+
+std::string consistencyText(const char* name, std::uint64_t updates, double sum) {
+  if (updates == 0) return "";
+  const NisBounds bounds = nisBounds(updates);
+  const double mean = sum / static_cast<double>(updates);
+  return format("  %-12s mean NIS %.3f of %llu updates, 95 %% bounds [%.3f, %.3f]: %s\n", name,
+                mean, static_cast<unsigned long long>(updates), bounds.lower, bounds.upper,
+                mean < bounds.lower   ? "less noise than assumed"
+                : mean > bounds.upper ? "more noise than assumed, or not this model"
+                                      : "consistent");
+}
+
+Json resultJson(const IdentificationResult& result, const LoopConfiguration& configuration,
+                const Json& settings) {
+  const IdentificationReport& report = result.report;
+  const std::string failure = failureOf(report, configuration);
+  Json json;
+  json["bags"] = result.sources;
+  json["identified"] = failure.empty();
+  json["failure"] = failure.empty() ? Json(nullptr) : Json(failure);
+  json["damage"] = result.damage;
+  json["faults"] = faultsOf(report, configuration);
+  json["converged"] = report.estimate && report.estimate->converged;
+  json["convergence_time_s"] =
+      report.convergence_time ? Json(*report.convergence_time) : Json(nullptr);
+  json["data"] = {{"session", report.last.session},
+                  {"first_sequence", report.first.sequence},
+                  {"last_sequence", report.last.sequence},
+                  {"first_stamp_ns", report.first.end_ns},
+                  {"last_stamp_ns", report.last.end_ns}};
+  if (const auto& estimate = report.estimate) {
+    Json& parameters = json["parameters"] = Json::object();
+    for (int i = 0; i < 7; ++i) {
+      parameters[kStates[i].name] = {
+          {"value", jsonNumber(estimate->value[i])},
+          {"sigma", jsonNumber(estimate->sigma(static_cast<StateIndex>(i)))},
+          {"unit", kStates[i].unit}};
+    }
+    json["residual_gamma"] = {jsonNumber(estimate->residual_gamma1),
+                              jsonNumber(estimate->residual_gamma2)};
+    json["covariance"] = covarianceJson(estimate->covariance);
+    json["angle_covered_rad"] = jsonNumber(estimate->angle_covered);
+    json["estimate_sequence"] = estimate->stamp.sequence;
+  } else {
+    json["parameters"] = nullptr;
+  }
+  json["consistency"] = {
+      {"all", consistencyJson(report.updates, report.nis_sum)},
+      {"since_converged", consistencyJson(report.updates_converged, report.nis_sum_converged)}};
+  json["counts"] = countsJson(report);
+  json["settings"] = settings;
+  return json;
+}
+
+void addParameters(std::string& text, const ParameterEstimate& estimate) {
+  for (int i = kGamma1; i <= kDriveGain; ++i) {
+    text += format("  %-12s % 15.8e +- %.1e  %s\n", kStates[i].name, estimate.value[i],
+                   estimate.sigma(static_cast<StateIndex>(i)), kStates[i].unit);
+  }
+}
+
+}  // namespace
+
+NisBounds nisBounds(std::uint64_t updates) {
+  const double count = static_cast<double>(updates);
+  const boost::math::chi_squared distribution(2.0 * count);
+  return {boost::math::quantile(distribution, 0.025) / count,
+          boost::math::quantile(distribution, 0.975) / count};
+}
+
+std::string failureOf(const IdentificationReport& report, const LoopConfiguration& configuration) {
+  if (report.pairs.pairs == 0) return noPairs(report);
+  if (report.pairs.pairs == report.before_start) {
+    return "no block from the start sequence on, the last is " + number(report.last.sequence) +
+           ": give a smaller --start-sequence";
+  }
+  if (report.usable == 0) return noneUsable(report, configuration);
+  if (report.updates == 0) {
+    return format(
+        "no two whole periods of %g s with usable blocks only: record for longer, or set "
+        "a shorter identification/update_period",
+        configuration.identification.update_period);
+  }
+  if (report.estimate->angle_covered < kConstantAngle) {
+    return format(
+        "theta stands still (%.1e rad covered), so nothing tells the parameters apart: "
+        "steer the pattern or turn the gyroscope while recording",
+        report.estimate->angle_covered);
+  }
+  return "";
+}
+
+std::vector<std::string> faultsOf(const IdentificationReport& report,
+                                  const LoopConfiguration& configuration) {
+  std::vector<std::string> faults;
+  const auto add = [&faults](std::uint64_t count, const std::string& what) {
+    if (count > 0) faults.push_back(number(count) + " " + what);
+  };
+  const TimeGuard::Counts& elements = report.elements;
+  const TimeGuard::Counts& gains = report.gains;
+  add(report.not_delivered,
+      "messages of the bag were not delivered by its replay: play it with a larger --queue, or a "
+      "lower rate");
+  add(elements.lost, "blocks missing in gaps of the orbital elements");
+  add(gains.lost, "blocks missing in gaps of the control gains");
+  add(aloneWithin(report), "messages whose partner on the other topic is missing");
+  add(std::max(elements.steps_back, gains.steps_back),
+      "steps back in the stamps: the filter started afresh at each");
+  add(std::max(elements.new_sessions, gains.new_sessions),
+      "new sessions of the plant: the filter started afresh at each");
+  add(elements.duplicates + gains.duplicates, "duplicate messages, left out");
+  add(elements.zero_stamps + gains.zero_stamps, "messages with zero stamps, left out");
+  add(report.unusable.not_finite, "blocks with numbers that are not finite, left out");
+  add(report.unusable.no_amplitude, "blocks with a not above |b|, left out");
+  add(report.unusable.wrong_duration, "blocks of another duration than configured, left out");
+  if (report.usable > 0) {
+    const double frequency = report.frequency_sum / static_cast<double>(report.usable) / kTwoPi;
+    const double configured = configuration.device.natural_frequency;
+    if (!(std::abs(frequency - configured) < kFrequencyTolerance * configured)) {
+      faults.push_back(
+          format("the reference ran at %.6g Hz, device/natural_frequency is %.6g Hz: "
+                 "is it the configuration of this device?",
+                 frequency, configured));
+    }
+  }
+  return faults;
+}
+
+std::string identificationText(const IdentificationResult& result,
+                               const LoopConfiguration& configuration) {
+  const IdentificationReport& report = result.report;
+  std::string text;
+  for (const std::string& source : result.sources) text += source + "\n";
+  const std::string failure = failureOf(report, configuration);
+  if (!failure.empty() || !report.estimate) return text + "  not identified\n";
+  const ParameterEstimate& estimate = *report.estimate;
+  addParameters(text, estimate);
+  text += report.convergence_time
+              ? format("  %-12s after %.1f s\n", "converged", *report.convergence_time)
+              : format("  %-12s not within the data\n", "converged");
+  text += format("  %-12s %.3f s in session %u, sequence %llu to %llu, %.2f turns of theta\n",
+                 "data", report.last.end() - report.first.end() + report.first.duration(),
+                 report.last.session, static_cast<unsigned long long>(report.first.sequence),
+                 static_cast<unsigned long long>(report.last.sequence),
+                 estimate.angle_covered / kTwoPi);
+  text += format("  %-12s %llu used, %llu dropped, %llu in gaps, %llu out of order\n", "blocks",
+                 static_cast<unsigned long long>(estimate.used_blocks),
+                 static_cast<unsigned long long>(estimate.rejected_blocks),
+                 static_cast<unsigned long long>(estimate.lost_blocks),
+                 static_cast<unsigned long long>(report.elements.steps_back));
+  const std::string unusable = unusableText(report.unusable);
+  if (!unusable.empty()) text += format("  %-12s %s\n", "unusable", unusable.c_str());
+  text += consistencyText("filter", report.updates, report.nis_sum);
+  text += consistencyText("  converged", report.updates_converged, report.nis_sum_converged);
+  return text;
+}
+
+std::string identificationJson(const std::vector<IdentificationResult>& results,
+                               const LoopConfiguration& configuration) {
+  const Json settings = settingsJson(configuration);
+  Json runs = Json::array();
+  for (const IdentificationResult& result : results) {
+    runs.push_back(resultJson(result, configuration, settings));
+  }
+  Json root = {{"version", RING_GYRO_VERSION}};
+  root["runs"] = std::move(runs);
+  return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace ring_gyro

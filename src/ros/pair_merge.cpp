@@ -1,0 +1,98 @@
+#include "ring_gyro/ros/pair_merge.h"
+
+#include <algorithm>
+
+namespace ring_gyro {
+namespace {
+
+bool sameBlock(const BlockStamp& a, const BlockStamp& b) {
+  return a.session == b.session && a.sequence == b.sequence && a.end_ns == b.end_ns;
+}
+
+/// Whether anything that waits is of this session.
+template <typename Waiting>
+bool reached(const Waiting& waiting, std::uint32_t session) {
+  return std::any_of(waiting.begin(), waiting.end(), [session](const auto& entry) {
+    return entry.signal.stamp.session == session;
+  });
+}
+
+}  // namespace
+
+template <typename Signal>
+bool PairMerge::take(Topic<Signal>& topic, const Signal& signal) {
+  const StampOrder order = topic.guard.check(signal.stamp);
+  if (!isUsable(order)) return false;
+  if (order == StampOrder::kNewSession) topic.steps_back = 0;
+  if (order == StampOrder::kStepBack) ++topic.steps_back;
+  topic.waiting.push_back({signal, topic.steps_back});
+  return true;
+}
+
+void PairMerge::add(const OrbitalElements& elements) {
+  if (take(elements_, elements)) merge();
+}
+
+void PairMerge::add(const ControlGains& gains) {
+  if (take(gains_, gains)) merge();
+}
+
+void PairMerge::emit() {
+  const Waiting<OrbitalElements> elements = elements_.waiting.front();
+  const Waiting<ControlGains> gains = gains_.waiting.front();
+  elements_.waiting.pop_front();
+  gains_.waiting.pop_front();
+  ++counts_.pairs;
+  sink_(elements.signal, gains.signal);
+}
+
+PairMerge::Older PairMerge::older() const {
+  const auto& elements = elements_.waiting.front();
+  const auto& gains = gains_.waiting.front();
+  const BlockStamp& elements_stamp = elements.signal.stamp;
+  const BlockStamp& gains_stamp = gains.signal.stamp;
+  bool elements_are_older = false;
+  if (elements_stamp.session == gains_stamp.session) {
+    elements_are_older = elements.steps_back != gains.steps_back
+                             ? elements.steps_back < gains.steps_back
+                             : elements_stamp.sequence < gains_stamp.sequence;
+  } else {
+    const bool elements_left_behind = reached(elements_.waiting, gains_stamp.session);
+    const bool gains_left_behind = reached(gains_.waiting, elements_stamp.session);
+    if (!elements_left_behind && !gains_left_behind) return Older::kNotYetKnown;
+    elements_are_older = elements_left_behind != gains_left_behind
+                             ? elements_left_behind
+                             : elements_stamp.end_ns < gains_stamp.end_ns;
+  }
+  return elements_are_older ? Older::kElements : Older::kGains;
+}
+
+void PairMerge::merge() {
+  while (!elements_.waiting.empty() && !gains_.waiting.empty()) {
+    if (sameBlock(elements_.waiting.front().signal.stamp, gains_.waiting.front().signal.stamp)) {
+      emit();
+      continue;
+    }
+    switch (older()) {
+      case Older::kElements:
+        ++counts_.elements_alone;
+        elements_.waiting.pop_front();
+        break;
+      case Older::kGains:
+        ++counts_.gains_alone;
+        gains_.waiting.pop_front();
+        break;
+      case Older::kNotYetKnown:
+        return;
+    }
+  }
+}
+
+void PairMerge::flush() {
+  counts_.elements_alone += elements_.waiting.size();
+  counts_.gains_alone += gains_.waiting.size();
+  elements_.waiting.clear();
+  gains_.waiting.clear();
+}
+
+}  // namespace ring_gyro

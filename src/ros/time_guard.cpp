@@ -1,0 +1,48 @@
+#include "ring_gyro/ros/time_guard.h"
+
+namespace ring_gyro {
+
+StampOrder TimeGuard::order(const BlockStamp& stamp) const {
+  if (stamp.end_ns <= 0) return StampOrder::kZero;
+  if (!started_) return StampOrder::kFirst;
+  if (stamp.session != last_.session) return StampOrder::kNewSession;
+  if (stamp.sequence == last_.sequence && stamp.end_ns == last_.end_ns) {
+    return StampOrder::kDuplicate;
+  }
+  if (stamp.sequence <= last_.sequence || stamp.end_ns <= last_.end_ns) {
+    return StampOrder::kStepBack;
+  }
+  return stamp.sequence == last_.sequence + 1 ? StampOrder::kNext : StampOrder::kGap;
+}
+
+StampOrder TimeGuard::check(const BlockStamp& stamp) {
+  const StampOrder result = order(stamp);
+  switch (result) {
+    case StampOrder::kFirst:
+    case StampOrder::kNext:
+      break;
+    case StampOrder::kGap:
+      counts_.lost += stamp.sequence - last_.sequence - 1;
+      break;
+    case StampOrder::kDuplicate:
+      ++counts_.duplicates;
+      break;
+    case StampOrder::kStepBack:
+      ++counts_.steps_back;
+      break;
+    case StampOrder::kNewSession:
+      ++counts_.new_sessions;
+      break;
+    case StampOrder::kZero:
+      ++counts_.zero_stamps;
+      break;
+  }
+  if (isUsable(result)) {
+    ++counts_.accepted;
+    started_ = true;
+    last_ = stamp;
+  }
+  return result;
+}
+
+}  // namespace ring_gyro

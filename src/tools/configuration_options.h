@@ -1,0 +1,27 @@
+#pragma once
+
+#include <boost/program_options.hpp>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/simulation/loop_configuration.h"
+
+namespace ring_gyro {
+
+/// The options by which every tool is told its configuration: --config FILE, --seed N and
+/// --set section/key=value.
+class ConfigurationOptions {
+ public:
+  void addTo(boost::program_options::options_description& description);
+
+  /// To be called when the options have been parsed. Throws ConfigurationError, or
+  /// boost::program_options::error when --config is missing.
+  LoopConfiguration read() const;
+
+ private:
+  std::string file_;
+  std::string seed_;
+  std::vector<std::string> overrides_;
+};
+
+}  // namespace ring_gyro

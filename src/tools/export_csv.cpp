@@ -1,0 +1,197 @@
+// rosrun ring_gyro export_csv: elements and gains of a bag as a table that import_csv reads back.
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+
+#include <boost/program_options.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "progress_bar.h"
+#include "ring_gyro/logs/log_table.h"
+#include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/pair_merge.h"
+
+namespace ring_gyro {
+namespace {
+
+namespace options = boost::program_options;
+
+constexpr std::size_t kBuffer = std::size_t{1} << 20;  // bytes
+
+struct Arguments {
+  std::string bag_file;
+  std::string log_file;
+};
+
+/// Nothing when the program has already said what was asked (--help).
+std::optional<Arguments> parse(int argc, char** argv) {
+  Arguments arguments;
+  options::options_description description("export_csv");
+  description.add_options()("help,h", "this text")("bag", options::value(&arguments.bag_file),
+                                                   "recorded run (or the only argument)")(
+      "output,o", options::value(&arguments.log_file), "table to write");
+  options::positional_options_description positions;
+  positions.add("bag", 1);
+  options::variables_map values;
+  options::store(
+      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
+      values);
+  options::notify(values);
+  if (values.count("help") != 0) {
+    std::cout << "usage: export_csv BAG --output LOG.csv\n" << description;
+    return std::nullopt;
+  }
+  if (arguments.bag_file.empty()) {
+    throw options::error("the bag is missing; see export_csv --help");
+  }
+  if (arguments.log_file.empty()) {
+    throw options::error("--output LOG.csv is missing; see export_csv --help");
+  }
+  return arguments;
+}
+
+/// A text file of any size that is there whole or not at all.
+class WholeText {
+ public:
+  explicit WholeText(const std::string& path)
+      : path_(path), temporary_(path + ".part"), file_(std::fopen(temporary_.c_str(), "wb")) {
+    if (!file_) fail();
+  }
+  ~WholeText() {
+    if (!file_) return;
+    std::fclose(file_);
+    std::remove(temporary_.c_str());
+  }
+  WholeText(const WholeText&) = delete;
+  WholeText& operator=(const WholeText&) = delete;
+
+  std::string& text() { return text_; }
+  void writeWhenFull() {
+    if (text_.size() >= kBuffer) write();
+  }
+  void finish() {
+    write();
+    std::FILE* const file = std::exchange(file_, nullptr);
+    if (std::fclose(file) != 0 || std::rename(temporary_.c_str(), path_.c_str()) != 0) fail();
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    const std::string reason = std::strerror(errno);
+    std::remove(temporary_.c_str());
+    throw std::runtime_error(path_ + ": cannot be written: " + reason);
+  }
+  void write() {
+    if (std::fwrite(text_.data(), 1, text_.size(), file_) != text_.size()) fail();
+    text_.clear();
+  }
+
+  std::string path_;
+  std::string temporary_;
+  std::FILE* file_;
+  std::string text_;
+};
+
+template <typename Message, typename Signal>
+void add(const rosbag::MessageInstance& instance, Signal& signal, PairMerge& merge) {
+  if (instance.getDataType() != ros::message_traits::datatype<Message>()) return;
+  const auto message = instance.instantiate<Message>();
+  if (!message) {
+    throw std::runtime_error(instance.getTopic() + ": " + instance.getDataType() +
+                             " of another version of this package");
+  }
+  fromMessage(*message, signal);
+  merge.add(signal);
+}
+
+void requireTopics(rosbag::View& view) {
+  std::map<std::string, int> topics;  // by type
+  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
+    ++topics[connection->datatype];
+  }
+  for (const char* type : {"ring_gyro/OrbitalElements", "ring_gyro/ControlGains"}) {
+    if (topics[type] == 1) continue;
+    throw std::runtime_error(topics[type] == 0
+                                 ? std::string("no messages of ") + type +
+                                       "; record the topics orbital_elements and control_gains"
+                                 : std::string("several topics of ") + type +
+                                       "; choose one with rosbag filter");
+  }
+}
+
+void exportBag(const Arguments& arguments) {
+  rosbag::Bag bag(arguments.bag_file);
+  rosbag::View view(bag, rosbag::TypeQuery(std::vector<std::string>{"ring_gyro/OrbitalElements",
+                                                                    "ring_gyro/ControlGains"}));
+  requireTopics(view);
+  WholeText out(arguments.log_file);
+  out.text() += logHeader();
+  std::optional<std::uint32_t> session;
+  std::uint64_t rows = 0;
+  PairMerge merge([&](const OrbitalElements& elements, const ControlGains& gains) {
+    // A table has one time that grows: that of the first session.
+    if (session.value_or(elements.stamp.session) != elements.stamp.session) {
+      throw std::runtime_error("holds several sessions; split it with rosbag filter");
+    }
+    session = elements.stamp.session;
+    appendLogRow(elements, gains, out.text());
+    out.writeWhenFull();
+    ++rows;
+  });
+  ProgressBar progress(static_cast<double>(view.size()), "messages");
+  OrbitalElements elements;
+  ControlGains gains;
+  double messages = 0.0;
+  for (const rosbag::MessageInstance& instance : view) {
+    add<ring_gyro_msgs::OrbitalElements>(instance, elements, merge);
+    add<ring_gyro_msgs::ControlGains>(instance, gains, merge);
+    progress.show(messages += 1.0);
+  }
+  merge.flush();
+  progress.clear();
+  if (rows == 0) throw std::runtime_error("no block has both its elements and its gains");
+  out.finish();
+  const PairMerge::Counts& counts = merge.counts();
+  std::printf("exported   %lu rows to %s\n", static_cast<unsigned long>(rows),
+              arguments.log_file.c_str());
+  if (counts.elements_alone + counts.gains_alone > 0) {
+    std::printf("left out   %lu elements and %lu gains without their partner\n",
+                static_cast<unsigned long>(counts.elements_alone),
+                static_cast<unsigned long>(counts.gains_alone));
+  }
+}
+
+void run(const Arguments& arguments) {
+  try {
+    exportBag(arguments);
+  } catch (const rosbag::BagException& error) {
+    throw std::runtime_error(arguments.bag_file + ": " + error.what());
+  } catch (const std::runtime_error& error) {
+    const std::string what = error.what();
+    const bool named = what.rfind(arguments.log_file, 0) == 0;
+    throw std::runtime_error(named ? what : arguments.bag_file + ": " + what);
+  }
+}
+
+}  // namespace
+}  // namespace ring_gyro
+
+int main(int argc, char** argv) {
+  try {
+    if (const auto arguments = ring_gyro::parse(argc, argv)) ring_gyro::run(*arguments);
+    return EXIT_SUCCESS;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "export_csv: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

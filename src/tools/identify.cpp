@@ -1,0 +1,284 @@
+// rosrun ring_gyro identify: from recorded runs to parameters with their uncertainties.
+
+#include <console_bridge/console.h>
+#include <ros/package.h>
+
+#include <algorithm>
+#include <atomic>
+#include <boost/program_options.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "progress_bar.h"
+#include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/ros/bag_identification.h"
+#include "ring_gyro/ros/bag_writer.h"
+#include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/topics.h"
+
+namespace ring_gyro {
+namespace {
+
+namespace options = boost::program_options;
+
+constexpr int kIdentified = 0;
+constexpr int kFailed = 1;
+constexpr int kIdentifiedWithFaults = 2;
+constexpr char kExitText[] =
+    "\nExit status: 0 identified; 2 identified, but data was lost or unusable (lines on stderr); "
+    "1 at least one run could not be identified.\n";
+
+struct Arguments {
+  std::vector<std::string> bags;
+  std::string configuration_file;
+  std::vector<std::string> overrides;
+  std::string json_file;
+  std::string estimates_file;
+  bool as_one_run = false;
+  BagIdentificationOptions identification;
+};
+
+/// What became of one run.
+struct Outcome {
+  std::optional<IdentificationResult> result;
+  std::string error;
+};
+
+/// Nothing when the program has already said what was asked (--help).
+std::optional<Arguments> parse(int argc, char** argv) {
+  Arguments arguments;
+  std::string preset;
+  double duration = 0.0;
+  options::options_description description("identify");
+  description.add_options()("help,h", "this text")("bag", options::value(&arguments.bags),
+                                                   "recorded runs (or just their names)")(
+      "config,c", options::value(&arguments.configuration_file),
+      "YAML file: the sections converter, device and identification are used")(
+      "preset", options::value(&preset), "config/NAME.yaml of this package, instead of --config")(
+      "set", options::value(&arguments.overrides)->composing(),
+      "section/key=value, in place of what the file says; may be repeated")(
+      "json", options::value(&arguments.json_file), "file for the results, SI units")(
+      "estimates", options::value(&arguments.estimates_file),
+      "bag for every estimate on the way, as the node publishes them")(
+      "start", options::value(&arguments.identification.start),
+      "what lies before is left out, bag time from the begin [s]")(
+      "duration", options::value(&duration), "of what is used, from --start on [s]")(
+      "start-sequence", options::value(&arguments.identification.start_sequence),
+      "the filter starts with this block, as an identifier that was started there")(
+      "continue", options::bool_switch(&arguments.as_one_run),
+      "the bags are one run that was split")(
+      "elements", options::value(&arguments.identification.topics.elements),
+      "topic of the orbital elements, when there are several")(
+      "gains", options::value(&arguments.identification.topics.gains),
+      "topic of the control gains, when there are several");
+  options::positional_options_description positions;
+  positions.add("bag", -1);
+  options::variables_map values;
+  options::store(
+      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
+      values);
+  options::notify(values);
+  if (values.count("help") != 0) {
+    std::cout << "usage: identify RUN.bag [MORE.bag ...] --config FILE | --preset NAME\n"
+              << description << kExitText;
+    return std::nullopt;
+  }
+  if (arguments.bags.empty()) throw options::error("no bag given; see identify --help");
+  if (!preset.empty() && !arguments.configuration_file.empty()) {
+    throw options::error("--config and --preset exclude each other; give one");
+  }
+  if (!preset.empty()) {
+    const std::string package = ros::package::getPath("ring_gyro");
+    if (package.empty()) {
+      throw options::error(
+          "--preset: the package is not found; source its setup.bash, or give the "
+          "file with --config");
+    }
+    arguments.configuration_file = package + "/config/" + preset + ".yaml";
+  }
+  if (arguments.configuration_file.empty()) {
+    throw options::error(
+        "f0, Q and the block length of the device are not in a bag; add --config FILE or --preset "
+        "NAME, such as --preset paper_experiment");
+  }
+  if (!(arguments.identification.start >= 0.0))
+    throw options::error("--start must be at least 0 s");
+  if (values.count("duration") != 0) {
+    if (!(duration > 0.0)) throw options::error("--duration must be above 0 s");
+    arguments.identification.duration = duration;
+  }
+  if (!arguments.estimates_file.empty() && arguments.bags.size() > 1 && !arguments.as_one_run) {
+    throw options::error("--estimates is for one run; give one bag, or --continue");
+  }
+  return arguments;
+}
+
+/// Writes every estimate as the node publishes it.
+class EstimateRecorder {
+ public:
+  explicit EstimateRecorder(const std::string& path) : writer_(path) {}
+  void write(const ParameterEstimate& estimate) {
+    toMessage(estimate, message_);
+    writer_.write(topics::kParameterEstimate, message_);
+  }
+  void finish() { writer_.finish(); }
+
+ private:
+  BagWriter writer_;
+  ring_gyro_msgs::ParameterEstimate message_;
+};
+
+/// All the runs, each by itself, on as many threads as there are cores.
+class Identification {
+ public:
+  Identification(const Arguments& arguments, const LoopConfiguration& configuration)
+      : arguments_(arguments), configuration_(configuration) {
+    if (arguments.as_one_run) {
+      runs_.push_back(arguments.bags);
+    } else {
+      for (const std::string& bag : arguments.bags) runs_.push_back({bag});
+    }
+    outcomes_.resize(runs_.size());
+    progress_ = std::vector<Progress>(runs_.size());
+  }
+
+  const std::vector<Outcome>& run() {
+    const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < std::min(cores, runs_.size()); ++i) {
+      threads.emplace_back([this] { work(); });
+    }
+    showProgress();
+    for (std::thread& thread : threads) thread.join();
+    return outcomes_;
+  }
+
+ private:
+  struct Progress {
+    Progress() = default;
+    Progress(const Progress& /*other*/) {}  // for the vector, before it is used
+    std::atomic<double> length{0.0};
+    std::atomic<double> done{0.0};
+  };
+
+  void work() {
+    for (std::size_t run = next_++; run < runs_.size(); run = next_++) {
+      try {
+        outcomes_[run].result = identify(runs_[run], progress_[run]);
+      } catch (const std::exception& error) {
+        outcomes_[run].error = error.what();
+      }
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ++finished_;
+      finished_changed_.notify_one();
+    }
+  }
+
+  IdentificationResult identify(const std::vector<std::string>& bags, Progress& progress) const {
+    BagIdentification identification(bags, configuration_, arguments_.identification);
+    progress.length = identification.length();
+    std::unique_ptr<EstimateRecorder> recorder;
+    BagIdentification::OnEstimate on_estimate;
+    if (!arguments_.estimates_file.empty()) {
+      recorder = std::make_unique<EstimateRecorder>(arguments_.estimates_file);
+      on_estimate = [&recorder](const ParameterEstimate& e) { recorder->write(e); };
+    }
+    IdentificationResult result =
+        identification.run(on_estimate, [&progress](double done) { progress.done = done; });
+    if (recorder) recorder->finish();
+    return result;
+  }
+
+  void showProgress() {
+    ProgressBar bar(0.0);
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!finished_changed_.wait_for(lock, std::chrono::milliseconds(100),
+                                       [this] { return finished_ == runs_.size(); })) {
+      double length = 0.0;
+      double done = 0.0;
+      for (const Progress& progress : progress_) {
+        length += progress.length;
+        done += progress.done;
+      }
+      bar.setTotal(length);
+      bar.showNow(done);
+    }
+  }
+
+  const Arguments& arguments_;
+  const LoopConfiguration& configuration_;
+  std::vector<std::vector<std::string>> runs_;
+  std::vector<Outcome> outcomes_;
+  std::vector<Progress> progress_;
+  std::atomic<std::size_t> next_{0};
+  std::mutex mutex_;
+  std::condition_variable finished_changed_;
+  std::size_t finished_ = 0;
+};
+
+/// Tables, lines about faults, JSON. Returns the exit status.
+int report(const std::vector<Outcome>& outcomes, const LoopConfiguration& configuration,
+           const std::string& json_file) {
+  std::vector<IdentificationResult> results;
+  bool failed = false;
+  bool faulty = false;
+  const auto say = [](const std::string& source, const std::string& line) {
+    std::fprintf(stderr, "%s: %s\n", source.c_str(), line.c_str());
+  };
+  for (const Outcome& outcome : outcomes) {
+    if (!outcome.result) {
+      std::fprintf(stderr, "%s\n", outcome.error.c_str());
+      failed = true;
+      continue;
+    }
+    const IdentificationResult& result = *outcome.result;
+    const std::string& source = result.sources.front();
+    std::fputs(identificationText(result, configuration).c_str(), stdout);
+    std::fflush(stdout);
+    for (const std::string& line : result.damage) say(source, line);
+    const std::string failure = failureOf(result.report, configuration);
+    const std::vector<std::string> faults = faultsOf(result.report, configuration);
+    if (!failure.empty()) {
+      say(source, failure);
+      failed = true;
+    } else {
+      for (const std::string& line : faults) say(source, line);
+    }
+    faulty = faulty || !faults.empty() || !result.damage.empty();
+    results.push_back(result);
+  }
+  if (!json_file.empty() && !results.empty()) {
+    writeWholeFile(json_file, identificationJson(results, configuration));
+  }
+  return failed ? kFailed : faulty ? kIdentifiedWithFaults : kIdentified;
+}
+
+}  // namespace
+}  // namespace ring_gyro
+
+int main(int argc, char** argv) {
+  using namespace ring_gyro;
+  console_bridge::noOutputHandler();  // faults are said once, here
+  try {
+    const std::optional<Arguments> arguments = parse(argc, argv);
+    if (!arguments) return EXIT_SUCCESS;
+    const LoopConfiguration configuration =
+        readConfigurationFile(arguments->configuration_file, arguments->overrides);
+    Identification identification(*arguments, configuration);
+    return report(identification.run(), configuration, arguments->json_file);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "identify: %s\n", error.what());
+    return kFailed;
+  }
+}

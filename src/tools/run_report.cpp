@@ -1,0 +1,213 @@
+#include "run_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "ring_gyro/common/angle.h"
+
+namespace ring_gyro {
+namespace {
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void print(std::string& text, const char* format, ...) {
+  char line[512];
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(line, sizeof(line), format, arguments);
+  va_end(arguments);
+  text += line;
+}
+
+void printIdentification(std::string& text, const char* title,
+                         const std::optional<IdentificationResult>& result) {
+  if (!result) {
+    print(text, "%s: no estimate\n", title);
+    return;
+  }
+  print(text, "%s, at %.1f s: %.1f s of data, %s\n", title, result->time, result->used_time,
+        result->converged ? "converged" : "not converged");
+  print(text, "  %-12s %15s %15s %11s %11s\n", "parameter", "truth", "estimate", "sigma", "error");
+  for (const ParameterResult& p : result->parameters) {
+    const double scale = p.relative ? std::abs(p.truth) : 1.0;
+    print(text, "  %-12s % 15.7e % 15.7e %11.1e % 11.1e%s\n", p.name.c_str(), p.truth, p.estimate,
+          p.sigma / scale, p.error() / scale, p.relative ? " (relative)" : "");
+  }
+}
+
+using DriftValue = double (*)(const DriftResult&);
+
+void printDriftRow(std::string& text, const char* name, const char* format,
+                   const RunSummary& summary, DriftValue value) {
+  print(text, "  %-38s", name);
+  for (const DriftResult* drift : {&summary.before, &summary.after}) {
+    char cell[32] = "-";
+    if (drift->harmonics) std::snprintf(cell, sizeof(cell), format, value(*drift));
+    print(text, " %13s", cell);
+  }
+  text += "\n";
+}
+
+template <int harmonic>
+double amplitudeInDegrees(const DriftResult& drift) {
+  return toDegrees(drift.harmonics->amplitude(harmonic));
+}
+
+void printDriftTable(std::string& text, const RunRecord& record, const RunSummary& summary) {
+  print(text, "sensed rate against pattern angle%5s %13s %13s\n", "", "before", "after");
+  const auto row = [&](const char* name, const char* format, DriftValue value) {
+    printDriftRow(text, name, format, summary, value);
+  };
+  row("from [s]", "%.1f", [](const DriftResult& d) { return d.harmonics->begin_time; });
+  row("to [s]", "%.1f", [](const DriftResult& d) { return d.harmonics->end_time; });
+  row("whole turns", "%.0f",
+      [](const DriftResult& d) { return static_cast<double>(d.harmonics->whole_turns); });
+  row("mean [deg/s]", "%.6f",
+      [](const DriftResult& d) { return toDegrees(-d.harmonics->mean_rate); });
+  if (!record.rotated()) {
+    row("virtual rate [deg/s]", "%.6f",
+        [](const DriftResult& d) { return toDegrees(d.virtual_rate); });
+    row("mean / virtual rate - 1", "%.2e",
+        [](const DriftResult& d) { return -d.harmonics->mean_rate / d.virtual_rate - 1.0; });
+  }
+  row("harmonics 1 to 8, peak to peak [deg/s]", "%.5f",
+      [](const DriftResult& d) { return toDegrees(d.harmonics->peak_to_peak); });
+  row("harmonic 1, amplitude [deg/s]", "%.5f", amplitudeInDegrees<1>);
+  row("harmonic 2, amplitude [deg/s]", "%.5f", amplitudeInDegrees<2>);
+  row("harmonic 4, amplitude [deg/s]", "%.5f", amplitudeInDegrees<4>);
+  row("rest about the fit, rms [deg/s]", "%.5f",
+      [](const DriftResult& d) { return toDegrees(d.harmonics->residual_rms); });
+}
+
+void printDrift(std::string& text, const RunRecord& record, const RunSummary& summary) {
+  if (summary.before.harmonics || summary.after.harmonics) {
+    printDriftTable(text, record, summary);
+  }
+  for (const auto& [name, drift] :
+       {std::pair{"before", &summary.before}, std::pair{"after", &summary.after}}) {
+    if (!drift->harmonics)
+      print(text, "no drift %s compensation: %s\n", name, drift->missing.c_str());
+  }
+}
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json jsonOf(const std::optional<IdentificationResult>& result) {
+  if (!result) return nullptr;
+  Json parameters = Json::object();
+  for (const ParameterResult& p : result->parameters) {
+    parameters[p.name] = {{"truth", number(p.truth)},
+                          {"estimate", number(p.estimate)},
+                          {"sigma", number(p.sigma)},
+                          {"error", number(p.error())}};
+  }
+  return {{"time_s", result->time},
+          {"used_time_s", result->used_time},
+          {"converged", result->converged},
+          {"residual_gamma1", result->residual_gamma1},
+          {"residual_gamma2", result->residual_gamma2},
+          {"angle_covered_rad", result->angle_covered},
+          {"used_blocks", result->used_blocks},
+          {"rejected_blocks", result->rejected_blocks},
+          {"lost_blocks", result->lost_blocks},
+          {"parameters", parameters}};
+}
+
+Json jsonOf(const DriftResult& drift) {
+  if (!drift.harmonics) return {{"missing", drift.missing}};
+  const RateHarmonics& fit = *drift.harmonics;
+  return {{"begin_s", fit.begin_time},
+          {"end_s", fit.end_time},
+          {"whole_turns", fit.whole_turns},
+          {"virtual_rate_rad_s", drift.virtual_rate},
+          {"mean_pattern_rate_rad_s", fit.mean_rate},
+          {"cosine_rad_s", fit.cosine},
+          {"sine_rad_s", fit.sine},
+          {"peak_to_peak_rad_s", fit.peak_to_peak},
+          {"residual_rms_rad_s", fit.residual_rms}};
+}
+
+}  // namespace
+
+std::string summaryText(const RunRecord& record, const RunSummary& summary) {
+  std::string text;
+  print(text, "run: %.3f s, %zu blocks, %zu missing, %zu unlocked after the first lock\n",
+        summary.duration, record.blocks().size(), summary.missing_blocks, summary.unlocked_blocks);
+  if (summary.ring_up_time) {
+    print(text, "ring-up: all loops locked after %.3f s\n", *summary.ring_up_time);
+  } else {
+    print(text, "ring-up: the loops never locked\n");
+  }
+  if (const auto& errors = summary.loop_errors) {
+    print(text,
+          "loops: largest errors of the true motion from %.3f s to the end: "
+          "phase %.4f deg, |b|/a %.2e, a %.2e relative\n",
+          errors->from_time, toDegrees(errors->phase), errors->quadrature, errors->amplitude);
+  }
+  text += "\n";
+  if (const auto& consistency = summary.consistency) {
+    print(text,
+          "filter: normalised innovation squared %.3f in the mean of %zu updates (2 +- %.3f "
+          "expected), %.1f %% below %.2f\n",
+          consistency->mean, consistency->updates, consistency->meanTolerance(),
+          100.0 * consistency->share_inside, FilterConsistency::kBound);
+  }
+  if (summary.converged_time) {
+    print(text, "filter: converged from %.1f s on\n", *summary.converged_time);
+  }
+  if (!summary.before_compensation || !summary.final_estimate ||
+      summary.before_compensation->time != summary.final_estimate->time) {
+    printIdentification(text, "last estimate before compensation", summary.before_compensation);
+    text += "\n";
+  }
+  printIdentification(text, "last estimate", summary.final_estimate);
+  text += "\n";
+  printDrift(text, record, summary);
+  return text;
+}
+
+std::string summaryJson(const RunRecord& record, const RunSummary& summary) {
+  Json root = {{"duration_s", summary.duration},
+               {"blocks", record.blocks().size()},
+               {"missing_blocks", summary.missing_blocks},
+               {"unlocked_blocks", summary.unlocked_blocks},
+               {"ring_up_s", summary.ring_up_time ? Json(*summary.ring_up_time) : Json(nullptr)}};
+  root["loop_errors"] = nullptr;
+  if (const auto& errors = summary.loop_errors) {
+    root["loop_errors"] = {{"from_s", errors->from_time},
+                           {"phase_rad", errors->phase},
+                           {"b_over_a", errors->quadrature},
+                           {"a_relative", errors->amplitude}};
+  }
+  root["settings"] = {{"session", record.session()},
+                      {"block_duration_s", record.blockDuration()},
+                      {"group_delay_s", record.groupDelay()},
+                      {"case_rotated", record.rotated()},
+                      {"true_natural_frequency_hz",
+                       record.device() ? Json(record.device()->natural_frequency) : Json(nullptr)},
+                      {"true_quality_factor",
+                       record.device() ? Json(record.device()->quality_factor) : Json(nullptr)}};
+  root["converged_s"] = summary.converged_time ? Json(*summary.converged_time) : Json(nullptr);
+  root["consistency"] = nullptr;
+  if (const auto& consistency = summary.consistency) {
+    root["consistency"] = {{"updates", consistency->updates},
+                           {"mean", number(consistency->mean)},
+                           {"mean_tolerance", consistency->meanTolerance()},
+                           {"bound", FilterConsistency::kBound},
+                           {"share_inside", consistency->share_inside}};
+  }
+  root["before_compensation"] = jsonOf(summary.before_compensation);
+  root["final_estimate"] = jsonOf(summary.final_estimate);
+  root["drift_before"] = jsonOf(summary.before);
+  root["drift_after"] = jsonOf(summary.after);
+  return root.dump(2) + "\n";
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "ring_gyro/analysis/run_record.h"
+#include "ring_gyro/analysis/run_summary.h"
+
+namespace ring_gyro {
+
+/// The summary as tables for people: degrees, and the sensed rate, which is minus the pattern's.
+std::string summaryText(const RunRecord& record, const RunSummary& summary);
+
+/// The same for programs, SI units; what is unknown is null.
+std::string summaryJson(const RunRecord& record, const RunSummary& summary);
+
+/// Series for plots, thinned to what a plot can show, as files in `directory` (made when missing):
+/// loops.csv, ring_up.csv, gains.csv, estimates.csv, rates.csv, allan.csv. Throws
+/// std::runtime_error.
+void writeSeries(const RunRecord& record, const RunSummary& summary, const std::string& directory);
+
+}  // namespace ring_gyro

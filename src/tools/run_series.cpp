@@ -1,0 +1,221 @@
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "ring_gyro/analysis/allan_deviation.h"
+#include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/whole_file.h"
+#include "run_report.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr std::size_t kMostRows = 4000;  // more than a plot has columns of dots
+
+/// Text of a CSV file: a line of names, then rows of numbers.
+class Table {
+ public:
+  explicit Table(const char* names) : text_(std::string(names) + "\n") {}
+
+  void row(std::initializer_list<double> values) {
+    bool first = true;
+    for (double value : values) {
+      if (!first) text_ += ',';
+      first = false;
+      if (!std::isfinite(value)) continue;  // an empty cell
+      char cell[32];
+      std::snprintf(cell, sizeof(cell), "%.10g", value);
+      text_ += cell;
+    }
+    text_ += '\n';
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+struct Extremes {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -std::numeric_limits<double>::infinity();
+  void add(double value) {
+    lowest = std::min(lowest, value);
+    highest = std::max(highest, value);
+  }
+};
+
+double phaseErrorInDegrees(const Orbit& orbit) { return toDegrees(orbit.phi + 0.5 * kPi); }
+
+std::size_t rowStep(std::size_t count) { return std::max<std::size_t>(1, count / kMostRows); }
+
+// Extremes of each bin, so that no excursion is lost by thinning.
+std::string loopsCsv(const RunRecord& record) {
+  Table table(
+      "time_s,theta_deg,a_V,beta_s,alpha,frequency_Hz,locked,"
+      "phase_error_low_deg,phase_error_high_deg,b_over_a_low,b_over_a_high,"
+      "true_phase_error_low_deg,true_phase_error_high_deg,true_b_over_a_low,true_b_over_a_high");
+  const auto& blocks = record.blocks();
+  const std::size_t step = rowStep(blocks.size());
+  for (std::size_t first = 0; first < blocks.size(); first += step) {
+    Extremes phase, quadrature, true_phase, true_quadrature;
+    const RunBlock* measured = nullptr;
+    for (std::size_t i = first; i < std::min(first + step, blocks.size()); ++i) {
+      const RunBlock& block = blocks[i];
+      if (block.has_elements && block.has_gains) {
+        measured = &block;
+        phase.add(phaseErrorInDegrees(block.measured));
+        if (block.measured.a > 0.0) quadrature.add(block.measured.b / block.measured.a);
+      }
+      if (block.has_truth) {
+        true_phase.add(phaseErrorInDegrees(block.truth));
+        if (block.truth.a > 0.0) true_quadrature.add(block.truth.b / block.truth.a);
+      }
+    }
+    if (!measured) continue;
+    table.row({record.time(*measured), toDegrees(measured->measured.theta), measured->measured.a,
+               measured->beta, measured->alpha, measured->reference_frequency / kTwoPi,
+               measured->status.locked() ? 1.0 : 0.0, phase.lowest, phase.highest,
+               quadrature.lowest, quadrature.highest, true_phase.lowest, true_phase.highest,
+               true_quadrature.lowest, true_quadrature.highest});
+  }
+  return table.text();
+}
+
+// Every block until a while after the loops have locked.
+std::string ringUpCsv(const RunRecord& record, const RunSummary& summary) {
+  Table table("time_s,a_V,b_over_a,phase_error_deg,frequency_Hz,locked");
+  const double end = summary.ring_up_time ? std::min(2.0 * *summary.ring_up_time, 4.0) : 4.0;
+  for (const RunBlock& block : record.blocks()) {
+    if (!block.has_elements || !block.has_gains) continue;
+    if (record.time(block) > end) break;
+    const Orbit& orbit = block.measured;
+    table.row({record.time(block), orbit.a, orbit.a > 0.0 ? orbit.b / orbit.a : NAN,
+               phaseErrorInDegrees(orbit), block.reference_frequency / kTwoPi,
+               block.status.locked() ? 1.0 : 0.0});
+  }
+  return table.text();
+}
+
+std::string estimatesCsv(const RunRecord& record) {
+  Table table(
+      "time_s,gamma1,gamma2,mu1,mu2,ks,sigma_gamma1,sigma_gamma2,sigma_mu1,sigma_mu2,sigma_ks,"
+      "residual_gamma1,residual_gamma2,normalised_innovation_squared,"
+      "innovation_a_V,innovation_b_V,sigma_innovation_a_V,sigma_innovation_b_V,converged,"
+      "angle_covered_deg");
+  const auto& estimates = record.estimates();
+  const std::size_t step = rowStep(estimates.size());
+  for (std::size_t i = 0; i < estimates.size(); i += step) {
+    const ParameterEstimate& e = estimates[i];
+    if (!e.updated) continue;
+    table.row({record.time(e.stamp.end_ns),
+               e.value[kGamma1],
+               e.value[kGamma2],
+               e.value[kMu1],
+               e.value[kMu2],
+               e.value[kDriveGain],
+               e.sigma(kGamma1),
+               e.sigma(kGamma2),
+               e.sigma(kMu1),
+               e.sigma(kMu2),
+               e.sigma(kDriveGain),
+               e.residual_gamma1,
+               e.residual_gamma2,
+               e.normalised_innovation_squared,
+               e.innovation[0],
+               e.innovation[1],
+               std::sqrt(e.innovation_covariance(0, 0)),
+               std::sqrt(e.innovation_covariance(1, 1)),
+               e.converged ? 1.0 : 0.0,
+               toDegrees(e.angle_covered)});
+  }
+  return table.text();
+}
+
+// Means over windows of a tenth of a second, or longer when the run is long; locked blocks only.
+std::string gainsCsv(const RunRecord& record) {
+  Table table("time_s,theta_deg,a_V,beta_s,alpha,compensated");
+  constexpr double kWindow = 0.1;  // [s]
+  const auto& blocks = record.blocks();
+  const auto window = static_cast<std::size_t>(std::lround(kWindow / record.blockDuration()));
+  const std::size_t step = std::max({window, rowStep(blocks.size()), std::size_t{1}});
+  for (std::size_t first = 0; first < blocks.size(); first += step) {
+    double count = 0.0, time = 0.0, theta = 0.0, a = 0.0, beta = 0.0, alpha = 0.0;
+    bool compensated = false;
+    for (std::size_t i = first; i < std::min(first + step, blocks.size()); ++i) {
+      const RunBlock& block = blocks[i];
+      if (!block.has_elements || !block.has_gains || !block.status.locked()) continue;
+      count += 1.0;
+      time += record.time(block);
+      theta += block.measured.theta;
+      a += block.measured.a;
+      beta += block.beta;
+      alpha += block.alpha;
+      compensated = block.compensation.gain1 != 0.0 || block.compensation.gain2 != 0.0;
+    }
+    if (count == 0.0) continue;
+    table.row({time / count, toDegrees(theta / count), a / count, beta / count, alpha / count,
+               compensated ? 1.0 : 0.0});
+  }
+  return table.text();
+}
+
+// Of the sensed rate as it is (total), and less its dependence on the angle (residual).
+std::string allanCsv(const RunRecord& record, const RunSummary& summary) {
+  Table table("compensated,tau_s,total_deg_s,residual_deg_s,relative_sigma");
+  for (const DriftResult* drift : {&summary.before, &summary.after}) {
+    const SampleStretch stretch = longestStretch(drift->angles, record.blockDuration());
+    std::vector<double> angles;
+    for (std::size_t i = stretch.first; i < stretch.end; ++i) {
+      angles.push_back(drift->angles[i].theta);
+    }
+    const auto total = allanDeviation(angles, record.blockDuration());
+    std::vector<AllanPoint> residual;
+    if (drift->harmonics) {
+      residual = allanDeviation(angleResidual(drift->angles, stretch, *drift->harmonics),
+                                record.blockDuration());
+    }
+    for (std::size_t i = 0; i < total.size(); ++i) {
+      table.row({drift == &summary.after ? 1.0 : 0.0, total[i].time, toDegrees(total[i].deviation),
+                 i < residual.size() ? toDegrees(residual[i].deviation) : NAN,
+                 total[i].relative_sigma});
+    }
+  }
+  return table.text();
+}
+
+// compensated: 0 before, 1 after.
+std::string ratesCsv(const RunSummary& summary) {
+  Table table("compensated,time_s,theta_deg,sensed_rate_deg_s");
+  for (const DriftResult* drift : {&summary.before, &summary.after}) {
+    if (!drift->harmonics) continue;
+    for (const RateSample& sample : windowedRates(drift->angles)) {
+      if (sample.time < drift->harmonics->begin_time) continue;
+      table.row({drift == &summary.after ? 1.0 : 0.0, sample.time, toDegrees(sample.theta),
+                 -toDegrees(sample.rate)});
+    }
+  }
+  return table.text();
+}
+
+}  // namespace
+
+void writeSeries(const RunRecord& record, const RunSummary& summary, const std::string& directory) {
+  if (mkdir(directory.c_str(), 0777) != 0 && errno != EEXIST) {
+    throw std::runtime_error(directory + ": cannot be made: " + std::strerror(errno));
+  }
+  writeWholeFile(directory + "/loops.csv", loopsCsv(record));
+  writeWholeFile(directory + "/ring_up.csv", ringUpCsv(record, summary));
+  writeWholeFile(directory + "/gains.csv", gainsCsv(record));
+  writeWholeFile(directory + "/estimates.csv", estimatesCsv(record));
+  writeWholeFile(directory + "/rates.csv", ratesCsv(summary));
+  writeWholeFile(directory + "/allan.csv", allanCsv(record, summary));
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,168 @@
+// rosrun ring_gyro simulate: the whole loop in this process, and a bag of it as the graph records.
+
+#include <boost/program_options.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "progress_bar.h"
+#include "ring_gyro/common/angle.h"
+#include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/ros/loop_recorder.h"
+#include "ring_gyro/simulation/closed_loop.h"
+
+namespace ring_gyro {
+namespace {
+
+namespace options = boost::program_options;
+
+volatile std::sig_atomic_t interrupted = 0;  // what a signal handler may touch
+
+struct Arguments {
+  std::string configuration_file;
+  std::string output_file;
+  std::vector<std::string> overrides;
+  bool raw = false;
+};
+
+struct Summary {
+  BlockStamp last;
+  double simulated = 0.0;              // [s]
+  double wall = 0.0;                   // [s]
+  std::optional<double> locked_after;  // [s]
+  std::optional<ParameterEstimate> estimate;
+  std::optional<CompensationDecision> decision;
+  OrbitalElements elements;
+  std::uint64_t messages = 0;
+};
+
+/// Nothing when the program has already said what was asked (--help, --parameters).
+std::optional<Arguments> parse(int argc, char** argv) {
+  Arguments arguments;
+  options::options_description description("simulate");
+  description.add_options()("help,h", "this text")(
+      "config,c", options::value(&arguments.configuration_file), "YAML file of the configuration")(
+      "output,o", options::value(&arguments.output_file), "bag to write")(
+      "duration", options::value<std::string>(), "of the run [s], instead of run/duration")(
+      "seed", options::value<std::string>(), "of all noise, instead of run/seed")(
+      "set", options::value(&arguments.overrides)->composing(),
+      "section/key=value, in place of what the file says; may be repeated")(
+      "raw", options::bool_switch(&arguments.raw), "record samples and drive commands too")(
+      "parameters", "print the reference of all parameters (Markdown)");
+  options::variables_map values;
+  options::store(options::parse_command_line(argc, argv, description), values);
+  options::notify(values);
+  if (values.count("help") != 0) {
+    std::cout << "usage: simulate --config FILE [--output BAG] [--set section/key=value ...]\n"
+              << description;
+    return std::nullopt;
+  }
+  if (values.count("parameters") != 0) {
+    std::cout << parametersMarkdown();
+    return std::nullopt;
+  }
+  if (arguments.configuration_file.empty()) {
+    throw options::error("--config FILE is missing; see simulate --help");
+  }
+  for (const char* name : {"duration", "seed"}) {
+    if (values.count(name) == 0) continue;
+    arguments.overrides.push_back(std::string("run/") + name + "=" +
+                                  values[name].as<std::string>());
+  }
+  return arguments;
+}
+
+Summary simulate(const LoopConfiguration& configuration, const Arguments& arguments) {
+  ClosedLoop loop(configuration);
+  std::optional<LoopRecorder> recorder;
+  if (!arguments.output_file.empty()) recorder.emplace(arguments.output_file, arguments.raw);
+  const std::uint64_t blocks = configuration.run.blocks(configuration.converter);
+  ProgressBar progress(configuration.run.duration);
+  Summary summary;
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::uint64_t block = 0; (blocks == 0 || block < blocks) && interrupted == 0; ++block) {
+    const LoopRecord record = loop.step();
+    if (recorder) recorder->write(record);
+    if (record.estimate) summary.estimate = record.estimate;
+    if (record.decision) summary.decision = record.decision;
+    if (!summary.locked_after && record.loops.elements.status.locked()) {
+      summary.locked_after = loop.time();
+    }
+    summary.last = record.displacement.stamp;
+    summary.elements = record.loops.elements;
+    progress.show(loop.time());
+  }
+  if (recorder) {
+    recorder->finish(summary.last);
+    summary.messages = recorder->messages();
+  }
+  summary.simulated = loop.time();
+  summary.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return summary;
+}
+
+void print(const Summary& summary, const LoopConfiguration& configuration,
+           const Arguments& arguments) {
+  std::printf("simulated  %.3f s in %.2f s, %.1f times real time%s\n", summary.simulated,
+              summary.wall, summary.simulated / summary.wall,
+              interrupted != 0 ? " (interrupted)" : "");
+  if (summary.locked_after) {
+    std::printf("locked     after %.3f s; at the end a %.5f V, pattern at %.4f deg/s\n",
+                *summary.locked_after, summary.elements.orbit.a,
+                toDegrees(summary.elements.theta_rate));
+  } else {
+    std::printf("locked     never\n");
+  }
+  if (summary.estimate) {
+    const StateVector& value = summary.estimate->value;
+    const ResonatorParameters& truth = configuration.plant.resonator;
+    const auto line = [&](const char* name, StateIndex index, double true_value) {
+      std::printf("%-10s % .6e +- %.1e, true % .6e\n", name, value[index],
+                  summary.estimate->sigma(index), true_value);
+    };
+    line("gamma1", kGamma1, truth.gamma1);
+    line("gamma2", kGamma2, truth.gamma2);
+    line("mu1", kMu1, truth.mu1);
+    line("mu2", kMu2, truth.mu2);
+    line("ks", kDriveGain, truth.driveGain());
+    std::printf("estimate   %s, %lu blocks used, %lu rejected, %lu lost\n",
+                summary.estimate->converged ? "converged" : "not converged",
+                static_cast<unsigned long>(summary.estimate->used_blocks),
+                static_cast<unsigned long>(summary.estimate->rejected_blocks),
+                static_cast<unsigned long>(summary.estimate->lost_blocks));
+  }
+  if (summary.decision && configuration.control.compensation) {
+    std::printf("injector   %s, cancels gamma (%.6f, %.6f)\n", toString(summary.decision->state),
+                summary.decision->gamma1, summary.decision->gamma2);
+  }
+  if (!arguments.output_file.empty()) {
+    std::printf("recorded   %lu messages in %s\n", static_cast<unsigned long>(summary.messages),
+                arguments.output_file.c_str());
+  }
+}
+
+}  // namespace
+}  // namespace ring_gyro
+
+int main(int argc, char** argv) {
+  using namespace ring_gyro;
+  try {
+    const std::optional<Arguments> arguments = parse(argc, argv);
+    if (!arguments) return EXIT_SUCCESS;
+    const LoopConfiguration configuration =
+        readConfigurationFile(arguments->configuration_file, arguments->overrides);
+    std::signal(SIGINT, [](int) { interrupted = 1; });
+    std::signal(SIGTERM, [](int) { interrupted = 1; });
+    print(simulate(configuration, *arguments), configuration, *arguments);
+    return EXIT_SUCCESS;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

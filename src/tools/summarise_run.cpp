@@ -1,0 +1,144 @@
+// rosrun ring_gyro summarise_run: what a recorded run achieved, as tables, JSON and series for
+// plots.
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+
+#include <boost/program_options.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "ring_gyro/analysis/run_record.h"
+#include "ring_gyro/analysis/run_summary.h"
+#include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/messages.h"
+#include "run_report.h"
+
+namespace ring_gyro {
+namespace {
+
+namespace options = boost::program_options;
+
+struct Arguments {
+  std::string bag_file;
+  std::string json_file;
+  std::string csv_directory;
+  SummaryOptions summary;
+};
+
+/// Nothing when the program has already said what was asked (--help).
+std::optional<Arguments> parse(int argc, char** argv) {
+  Arguments arguments;
+  options::options_description description("summarise_run");
+  description.add_options()("help,h", "this text")("bag", options::value(&arguments.bag_file),
+                                                   "recorded run (or the only argument)")(
+      "json", options::value(&arguments.json_file), "file for the figures, SI units")(
+      "csv", options::value(&arguments.csv_directory), "folder for the series that plots need")(
+      "settling", options::value(&arguments.summary.settling)->default_value(1.0),
+      "after the first lock, before anything is judged [s]")(
+      "window", options::value(&arguments.summary.rate_window)->default_value(0.1),
+      "of the rates [s]");
+  options::positional_options_description positions;
+  positions.add("bag", 1);
+  options::variables_map values;
+  options::store(
+      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
+      values);
+  options::notify(values);
+  if (values.count("help") != 0) {
+    std::cout << "usage: summarise_run BAG [--json FILE] [--csv DIRECTORY]\n" << description;
+    return std::nullopt;
+  }
+  if (arguments.bag_file.empty()) {
+    throw options::error("the bag is missing; see summarise_run --help");
+  }
+  if (!(arguments.summary.settling >= 0.0) || !(arguments.summary.rate_window > 0.0)) {
+    throw options::error("--settling must be at least 0 s and --window above 0 s");
+  }
+  return arguments;
+}
+
+/// Adds the message when it is of this type; false when it is not.
+template <typename Message, typename Signal>
+bool addIf(const rosbag::MessageInstance& instance, Signal& signal, RunRecord& record) {
+  if (instance.getDataType() != ros::message_traits::datatype<Message>()) return false;
+  const auto message = instance.instantiate<Message>();
+  if (!message) {
+    throw std::runtime_error(instance.getTopic() + ": " + instance.getDataType() +
+                             " of another version of this package");
+  }
+  fromMessage(*message, signal);
+  record.add(signal);
+  return true;
+}
+
+/// Topics are told apart by type, so that namespaces and remapping do not matter.
+RunRecord readBag(const std::string& path) {
+  rosbag::Bag bag(path);
+  rosbag::View view(bag);
+  std::map<std::string, std::string> topics;  // by type
+  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
+    const auto [found, fresh] = topics.emplace(connection->datatype, connection->topic);
+    if (!fresh && found->second != connection->topic &&
+        connection->datatype.rfind("ring_gyro/", 0) == 0) {
+      throw std::runtime_error("two topics of " + connection->datatype + ", " + found->second +
+                               " and " + connection->topic + ": filter one out with rosbag filter");
+    }
+  }
+  for (const char* type : {"ring_gyro/OrbitalElements", "ring_gyro/ControlGains"}) {
+    if (topics.count(type) == 0) {
+      throw std::runtime_error(std::string("no messages of ") + type +
+                               "; record the topics orbital_elements and control_gains");
+    }
+  }
+  RunRecord record;
+  OrbitalElements elements;
+  ControlGains gains;
+  PlantTruth truth;
+  ParameterEstimate estimate;
+  for (const rosbag::MessageInstance& instance : view) {
+    addIf<ring_gyro_msgs::OrbitalElements>(instance, elements, record) ||
+        addIf<ring_gyro_msgs::ControlGains>(instance, gains, record) ||
+        addIf<ring_gyro_msgs::PlantTruth>(instance, truth, record) ||
+        addIf<ring_gyro_msgs::ParameterEstimate>(instance, estimate, record);
+  }
+  return record;
+}
+
+void run(const Arguments& arguments) {
+  RunRecord record;
+  try {
+    record = readBag(arguments.bag_file);
+  } catch (const rosbag::BagException& error) {
+    throw std::runtime_error(arguments.bag_file + ": " + error.what() +
+                             "; is it a whole bag? One that was cut: rosbag reindex");
+  } catch (const std::exception& error) {
+    throw std::runtime_error(arguments.bag_file + ": " + error.what());
+  }
+  const RunSummary summary = summarise(record, arguments.summary);
+  if (!arguments.csv_directory.empty()) writeSeries(record, summary, arguments.csv_directory);
+  if (!arguments.json_file.empty()) {
+    writeWholeFile(arguments.json_file, summaryJson(record, summary));
+  }
+  std::fputs(summaryText(record, summary).c_str(), stdout);
+}
+
+}  // namespace
+}  // namespace ring_gyro
+
+int main(int argc, char** argv) {
+  try {
+    if (const auto arguments = ring_gyro::parse(argc, argv)) ring_gyro::run(*arguments);
+    return EXIT_SUCCESS;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "summarise_run: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

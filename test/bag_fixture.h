@@ -1,0 +1,112 @@
+#pragma once
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/ros/loop_recorder.h"
+#include "ring_gyro/ros/messages.h"
+#include "ring_gyro/ros/topics.h"
+#include "ring_gyro/simulation/closed_loop.h"
+
+namespace ring_gyro {
+
+/// Folder that goes away with the test.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    char name[] = "/tmp/ring_gyro_test_XXXXXX";
+    if (mkdtemp(name) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    if (std::system(("rm -r '" + path_ + "'").c_str()) != 0) std::perror(path_.c_str());
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::string file(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+inline std::string contentsOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline void writeContents(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<long>(bytes.size()));
+}
+
+inline bool exists(const std::string& path) {
+  struct stat status = {};
+  return stat(path.c_str(), &status) == 0;
+}
+
+/// The loop of a preset in one process, recorded. Returns its estimates.
+inline std::vector<ParameterEstimate> recordRun(const LoopConfiguration& configuration,
+                                                const std::string& path) {
+  ClosedLoop loop(configuration);
+  LoopRecorder recorder(path, false);
+  std::vector<ParameterEstimate> estimates;
+  BlockStamp last;
+  const std::uint64_t blocks = configuration.run.blocks(configuration.converter);
+  for (std::uint64_t i = 0; i < blocks; ++i) {
+    const LoopRecord record = loop.step();
+    recorder.write(record);
+    if (record.estimate) estimates.push_back(*record.estimate);
+    last = record.displacement.stamp;
+  }
+  recorder.finish(last);
+  return estimates;
+}
+
+/// How a copy of a recorded run differs from it. What is returned is how often to write the
+/// message.
+struct BagChange {
+  std::function<int(ring_gyro_msgs::OrbitalElements&)> elements;
+  std::function<int(ring_gyro_msgs::ControlGains&)> gains;
+  std::string elements_topic = topics::kOrbitalElements;
+  std::string gains_topic = topics::kControlGains;
+  rosbag::CompressionType compression = rosbag::compression::LZ4;
+};
+
+template <typename Message>
+void copyMessage(const rosbag::MessageInstance& instance, const std::string& topic,
+                 const std::function<int(Message&)>& change, rosbag::Bag& to) {
+  const auto message = instance.instantiate<Message>();
+  if (!message) return;
+  const int copies = change ? change(*message) : 1;
+  // At the time it had: a recorder's clock does not follow the stamps.
+  for (int i = 0; i < copies; ++i) to.write(topic, instance.getTime(), *message);
+}
+
+inline void copyBag(const std::string& from_path, const std::string& to_path,
+                    const BagChange& change) {
+  const rosbag::Bag from(from_path);
+  rosbag::Bag to(to_path, rosbag::bagmode::Write);
+  to.setCompression(change.compression);
+  to.setChunkThreshold(64 * 1024);
+  rosbag::View view(from);
+  for (const rosbag::MessageInstance& instance : view) {
+    copyMessage<ring_gyro_msgs::OrbitalElements>(instance, change.elements_topic, change.elements,
+                                                 to);
+    copyMessage<ring_gyro_msgs::ControlGains>(instance, change.gains_topic, change.gains, to);
+  }
+  to.close();
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,69 @@
+#include "ring_gyro/simulation/closed_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/configuration/configuration_reader.h"
+
+namespace ring_gyro {
+namespace {
+
+LoopConfiguration configuration(const std::vector<std::string>& overrides) {
+  return readConfigurationFile(RING_GYRO_CONFIG_DIR "/paper_simulation.yaml", overrides);
+}
+
+TEST(ClosedLoop, IsReproducible) {
+  const LoopConfiguration twice = configuration({"control/compensation=true", "run/seed=5"});
+  ClosedLoop a(twice);
+  ClosedLoop b(twice);
+  for (int block = 0; block < 1500; ++block) {
+    const LoopRecord record_a = a.step();
+    const LoopRecord record_b = b.step();
+    ASSERT_EQ(record_a.displacement.x, record_b.displacement.x);
+    ASSERT_EQ(record_a.loops.command.envelope, record_b.loops.command.envelope);
+    ASSERT_EQ(record_a.estimate.has_value(), record_b.estimate.has_value());
+    if (record_a.estimate) {
+      ASSERT_EQ(record_a.estimate->value, record_b.estimate->value);
+    }
+  }
+  EXPECT_NEAR(a.time(), 1.5, 1e-9);
+}
+
+TEST(ClosedLoop, SeedChangesTheNoise) {
+  ClosedLoop a(configuration({"run/seed=1"}));
+  ClosedLoop b(configuration({"run/seed=2"}));
+  EXPECT_NE(a.step().displacement.x, b.step().displacement.x);
+}
+
+TEST(ClosedLoop, DecisionsActAPeriodAfterTheirData) {
+  const LoopConfiguration compensated = configuration({"control/compensation=true"});
+  ClosedLoop loop(compensated);
+  const std::uint64_t period = compensated.periodBlocks();
+  constexpr std::uint64_t kBlocks = 20000;
+  std::vector<CompensationDecision> decisions;
+  DampingCompensation expected;
+  bool compensated_once = false;
+  for (std::uint64_t block = 0; block < kBlocks; ++block) {
+    const LoopRecord record = loop.step();
+    // What acts in this block was decided for it or for one before.
+    for (const CompensationDecision& decision : decisions) {
+      if (decision.effective_sequence == block) expected = decision.gains;
+    }
+    if (record.loops.gains.status.locked() && record.loops.gains.compensation.gain1 != 0.0) {
+      EXPECT_EQ(record.loops.gains.compensation.gain1, expected.gain1) << block;
+      compensated_once = true;
+    }
+    if (!record.decision) continue;
+    EXPECT_EQ((record.decision->data_sequence + 1) % period, 0u);
+    EXPECT_EQ(record.decision->effective_sequence, record.decision->data_sequence + 1 + period);
+    decisions.push_back(*record.decision);
+  }
+  EXPECT_EQ(decisions.size(), kBlocks / period);
+  EXPECT_TRUE(compensated_once);
+}
+
+}  // namespace
+}  // namespace ring_gyro

@@ -1,0 +1,136 @@
+#!/usr/bin/python3
+"""Smoke test of the commands in Python: report and reproduce_paper, on short runs.
+
+usage: commands_test.py FOLDER_OF_PROGRAMS CONFIG_FOLDER [RESULT.xml]
+"""
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+PROGRAMS, CONFIG = Path(sys.argv[1]), Path(sys.argv[2])
+
+
+def run(name: str, *arguments) -> subprocess.CompletedProcess:
+    return subprocess.run([str(PROGRAMS / name), *map(str, arguments)], stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=900, check=False)
+
+
+class Report(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.folder = Path(cls.scratch.name)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    def simulate(self, name: str, duration: float, *overrides) -> Path:
+        bag = self.folder / f"{name}.bag"
+        done = run("simulate", "--config", CONFIG / "paper_experiment.yaml", "--output", bag,
+                   "--duration", duration, *(f"--set={o}" for o in overrides))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return bag
+
+    def test_one_file_with_everything(self):
+        bag = self.simulate("run", 36)
+        page, figures = self.folder / "run.html", self.folder / "figures"
+        done = run("report", bag, "--output", page, "--figures", figures)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        text = page.read_text()
+        names = {"parameters", "innovations", "rate", "harmonics", "gains", "loops", "ring_up",
+                 "allan"}
+        self.assertEqual(set(re.findall(r"<h2 id=(\w+)>", text)), names)
+        self.assertEqual(len(re.findall(r'src="data:image/png;base64,iVBOR', text)), len(names))
+        self.assertEqual({p.name for p in figures.iterdir()},
+                         {f"{name}.{kind}" for name in names for kind in ("png", "pdf")})
+        self.assertNotRegex(text, r'(src|href)="(?!data:)')
+        self.assertNotIn("class=missing", text)
+
+    def test_says_what_a_short_run_does_not_hold(self):
+        bag = self.simulate("short", 0.15)
+        page = self.folder / "short.html"
+        done = run("report", bag, "--output", page)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("Rate against angle", done.stdout)
+        self.assertIn("no ParameterEstimate", done.stdout)
+        self.assertIn("class=missing", page.read_text())
+
+    def test_refuses_in_one_line(self):
+        empty = self.folder / "empty.bag"
+        empty.write_bytes(b"")
+        for bag in (empty, self.folder / "absent.bag"):
+            page = self.folder / "none.html"
+            done = run("report", bag, "--output", page)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+            self.assertIn(bag.name, done.stderr)
+            self.assertFalse(page.exists())
+
+
+class Paper(unittest.TestCase):
+    def test_quick(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / "paper"
+            done = run("reproduce_paper", "--output", folder, "--quick")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            names = {f"figure{n:02d}" for n in range(4, 12)} | {"convergence", "threshold",
+                                                               "bandwidth"}
+            self.assertEqual({p.stem for p in folder.glob("*.png")}, names)
+            rows = json.loads((folder / "paper.json").read_text())["rows"]
+            found = {row["what"]: row["values"] for row in rows}
+            for case, low, high in ((1, 8.0, 9.5), (3, 1.4, 2.0), (4, 0.0, 1.0)):
+                value = found[f"case {case}, rate, peak to peak"]["deg_s"]
+                self.assertTrue(low <= value <= high, f"case {case}: {value} deg/s")
+            fourth = found["4th harmonic, cases 1 to 4"]["deg_s"]
+            self.assertLess(max(fourth) / min(fourth), 1.02)
+            self.assertIn("| 8 | case 4", (folder / "paper.md").read_text())
+
+    def test_refuses_in_one_line(self):
+        with tempfile.NamedTemporaryFile() as file:
+            done = run("reproduce_paper", "--output", Path(file.name) / "inside", "--quick")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+
+
+class Recorder(unittest.TextTestResult):
+    """Remembers what a result file of JUnit holds."""
+
+    def __init__(self, *arguments, **named):
+        super().__init__(*arguments, **named)
+        self.cases = []
+
+    def startTest(self, test):
+        super().startTest(test)
+        self._began = time.monotonic()
+
+    def stopTest(self, test):
+        problems = [text for case, text in self.failures + self.errors if case is test]
+        inner = f"<failure message={quoteattr(problems[0][-400:])}/>" if problems else ""
+        self.cases.append(f"<testcase classname={quoteattr(type(test).__name__)} "
+                          f"name={quoteattr(test.id().split('.')[-1])} "
+                          f'time="{time.monotonic() - self._began:.3f}">{inner}</testcase>')
+        super().stopTest(test)
+
+
+def main() -> int:
+    suite = unittest.defaultTestLoader.loadTestsFromModule(sys.modules[__name__])
+    result = unittest.TextTestRunner(resultclass=Recorder, verbosity=2).run(suite)
+    bad = len(result.failures) + len(result.errors)
+    if len(sys.argv) > 3:
+        Path(sys.argv[3]).parent.mkdir(parents=True, exist_ok=True)
+        Path(sys.argv[3]).write_text(
+            f'<testsuite name="commands" tests="{len(result.cases)}" failures="{bad}" '
+            f'errors="0">{"".join(result.cases)}</testsuite>\n')
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

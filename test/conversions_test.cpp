@@ -1,0 +1,241 @@
+#include "ring_gyro/ros/conversions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "message_bytes.h"
+#include "ring_gyro/common/angle.h"
+#include "ring_gyro/ros/message_pool.h"
+
+namespace ring_gyro {
+namespace {
+
+/// Values whose bits are easily lost: all exponents, both zeros, the smallest.
+class Values {
+ public:
+  double next() {
+    switch (generator_() % 16) {
+      case 0:
+        return -0.0;
+      case 1:
+        return std::numeric_limits<double>::denorm_min();
+      default:
+        return std::ldexp(mantissa_(generator_), static_cast<int>(generator_() % 200) - 100);
+    }
+  }
+  std::complex<double> nextComplex() {
+    const double real = next();
+    return {real, next()};
+  }
+  Eigen::Vector2cd nextEnvelope() {
+    const std::complex<double> x = nextComplex();
+    return {x, nextComplex()};
+  }
+  bool nextFlag() { return generator_() % 2 == 0; }
+  std::uint64_t nextCount() { return generator_(); }
+  BlockStamp nextStamp() {
+    BlockStamp stamp;
+    stamp.session = static_cast<std::uint32_t>(generator_());
+    stamp.sequence = generator_();
+    stamp.end_ns = static_cast<std::int64_t>(generator_() % 4000000000000000000ull);
+    stamp.duration_ns = static_cast<std::int64_t>(generator_() % 1000000000ull);
+    return stamp;
+  }
+  LoopStatus nextStatus() {
+    LoopStatus status;
+    status.amplitude_locked = nextFlag();
+    status.quadrature_locked = nextFlag();
+    status.phase_locked = nextFlag();
+    status.invalid_samples = nextFlag();
+    status.converter_saturated = nextFlag();
+    status.drive_saturated = nextFlag();
+    return status;
+  }
+
+ private:
+  std::mt19937_64 generator_{7};
+  std::uniform_real_distribution<double> mantissa_{-1.0, 1.0};
+};
+
+/// Struct to message, over a wire, to a struct and to a message again: the same bytes.
+template <typename Message, typename Struct, typename ToMessage>
+void expectSameBits(const Struct& original, const ToMessage& convert) {
+  Message message;
+  convert(original, message);
+  std::vector<std::uint8_t> bytes = bytesOf(message);
+  Message received;
+  ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::deserialize(stream, received);
+  Struct copy;
+  fromMessage(received, copy);
+  Message again;
+  convert(copy, again);
+  EXPECT_EQ(bytesOf(again), bytes);
+}
+
+template <typename Message, typename Struct>
+void expectSameBits(const Struct& original) {
+  expectSameBits<Message>(original, [](const Struct& from, Message& to) { toMessage(from, to); });
+}
+
+TEST(Conversions, TimesAreWholeNanoseconds) {
+  for (const std::int64_t ns : {1ll, 999999999ll, 1000000000ll, 1700000000123456789ll}) {
+    EXPECT_EQ(nanosecondsFromTime(timeFromNanoseconds(ns)), ns);
+  }
+}
+
+TEST(Conversions, DisplacementBlock) {
+  Values values;
+  DisplacementBlock block;
+  block.stamp = values.nextStamp();
+  block.drive_answers_sequence = values.nextCount();
+  block.driven = true;
+  block.reference_phase = values.next();
+  block.reference_frequency = values.next();
+  block.saturated_samples = 3;
+  for (int i = 0; i < 200; ++i) {
+    block.x.push_back(values.next());
+    block.y.push_back(values.next());
+  }
+  expectSameBits<ring_gyro_msgs::DisplacementBlock>(block);
+}
+
+TEST(Conversions, DriveCommand) {
+  Values values;
+  const BlockStamp answered = values.nextStamp();
+  DriveCommand command;
+  command.answers_sequence = answered.sequence;
+  command.reference_phase = values.next();
+  command.reference_frequency = values.next();
+  command.envelope = values.nextEnvelope();
+  expectSameBits<ring_gyro_msgs::DriveCommand>(
+      command, [&](const DriveCommand& from, ring_gyro_msgs::DriveCommand& to) {
+        toMessage(from, answered, to);
+      });
+}
+
+TEST(Conversions, OrbitalElements) {
+  Values values;
+  for (int i = 0; i < 50; ++i) {
+    OrbitalElements elements;
+    elements.stamp = values.nextStamp();
+    elements.group_delay = values.next();
+    elements.orbit = {values.next(), values.next(), 100.0 * i - 2000.0, values.next()};
+    elements.theta_rate = values.next();
+    elements.status = values.nextStatus();
+    expectSameBits<ring_gyro_msgs::OrbitalElements>(elements);
+  }
+}
+
+TEST(Conversions, ControlGains) {
+  Values values;
+  for (int i = 0; i < 50; ++i) {
+    ControlGains gains;
+    gains.stamp = values.nextStamp();
+    gains.reference_frequency = values.next();
+    gains.reference_phase = values.next();
+    gains.beta = values.next();
+    gains.alpha = values.next();
+    gains.virtual_rate = values.next();
+    gains.compensation = {values.next(), values.next()};
+    gains.drive.sustain = values.nextEnvelope();
+    gains.drive.quadrature = values.nextEnvelope();
+    gains.drive.steering = values.nextEnvelope();
+    gains.drive.compensation = values.nextEnvelope();
+    gains.status = values.nextStatus();
+    expectSameBits<ring_gyro_msgs::ControlGains>(gains);
+  }
+}
+
+TEST(Conversions, ParameterEstimate) {
+  Values values;
+  ParameterEstimate estimate;
+  estimate.stamp = values.nextStamp();
+  estimate.first_sequence = values.nextCount();
+  estimate.used_blocks = values.nextCount();
+  estimate.rejected_blocks = values.nextCount();
+  estimate.lost_blocks = values.nextCount();
+  estimate.updated = true;
+  for (int i = 0; i < 7; ++i) {
+    estimate.value[i] = values.next();
+    for (int j = 0; j < 7; ++j) estimate.covariance(i, j) = values.next();
+    estimate.covariance(i, i) = std::abs(estimate.covariance(i, i));
+  }
+  estimate.innovation = {values.next(), values.next()};
+  estimate.innovation_covariance << values.next(), values.next(), values.next(), values.next();
+  estimate.normalised_innovation_squared = values.next();
+  estimate.residual_gamma1 = values.next();
+  estimate.residual_gamma2 = values.next();
+  estimate.angle_covered = values.next();
+  estimate.converged = true;
+  expectSameBits<ring_gyro_msgs::ParameterEstimate>(estimate);
+}
+
+TEST(Conversions, CompensationDecision) {
+  Values values;
+  CompensationDecision decision;
+  decision.session = 9;
+  decision.effective_sequence = values.nextCount();
+  decision.data_sequence = values.nextCount();
+  decision.gains = {values.next(), values.next()};
+  decision.gamma1 = values.next();
+  decision.gamma2 = values.next();
+  decision.state = InjectorState::kHolding;
+  const ros::Time stamp(12, 34);
+  expectSameBits<ring_gyro_msgs::CompensationGains>(
+      decision, [&](const CompensationDecision& from, ring_gyro_msgs::CompensationGains& to) {
+        toMessage(from, stamp, to);
+      });
+}
+
+TEST(Conversions, PlantTruth) {
+  Values values;
+  PlantTruth truth;
+  truth.stamp = values.nextStamp();
+  truth.envelope << std::complex<double>(0.3, -0.4), std::complex<double>(0.01, 0.7);
+  truth.rotation_rate = values.next();
+  truth.rotation_angle = values.next();
+  truth.natural_frequency = values.next();
+  truth.quality_factor = values.next();
+  truth.gamma1 = values.next();
+  truth.gamma2 = values.next();
+  truth.mu1 = values.next();
+  truth.mu2 = values.next();
+  truth.drive_gain = values.next();
+  expectSameBits<ring_gyro_msgs::PlantTruth>(truth);
+}
+
+TEST(Conversions, SensedRateHasTheSignOfTheCase) {
+  OrbitalElements elements;
+  elements.stamp = {1, 0, 5000000, 1000000};
+  elements.orbit.theta = -0.37 * 0.5;  // the case has turned by half a radian
+  elements.theta_rate = -0.37 * 2.0;
+  sensor_msgs::Imu imu;
+  toMessage(elements, 0.37, "gyro", imu);
+  EXPECT_NEAR(imu.angular_velocity.z, 2.0, 1e-12);
+  EXPECT_NEAR(2.0 * std::atan2(imu.orientation.z, imu.orientation.w), 0.5, 1e-12);
+  EXPECT_EQ(imu.header.frame_id, "gyro");
+  EXPECT_EQ(imu.linear_acceleration_covariance[0], -1.0);
+  EXPECT_EQ(imu.angular_velocity_covariance[8], 0.0);
+}
+
+TEST(MessagePool, GivesOnlyWhatNobodyHolds) {
+  MessagePool<ring_gyro_msgs::OrbitalElements> pool;
+  const auto first = pool.take();
+  const auto second = pool.take();
+  EXPECT_NE(first, second);
+  const ring_gyro_msgs::OrbitalElements* released = nullptr;
+  {
+    const auto third = pool.take();
+    released = third.get();
+  }
+  EXPECT_EQ(pool.take().get(), released);
+}
+
+}  // namespace
+}  // namespace ring_gyro

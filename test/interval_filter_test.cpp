@@ -1,0 +1,343 @@
+#include "ring_gyro/identification/interval_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "averaged_loop.h"
+#include "ring_gyro/common/angle.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr double kFrequency = 14e3;
+constexpr double kQuality = 22000.0;
+constexpr double kStep = 1e-3;
+const DeviceParameters kDevice = AveragedLoop::Options{}.device;
+const IntervalFilter::ParameterVector kNoWalk = IntervalFilter::ParameterVector::Zero();
+
+/// One step of the filter with the sample at its end.
+struct Record {
+  double theta;
+  double phi;
+  AveragedInput input;
+  Eigen::Vector2d measured;
+};
+
+std::vector<Record> recordLoop(int steps, double noise_density, unsigned seed = 1) {
+  AveragedLoop::Options options;
+  options.noise_density = noise_density;
+  options.seed = seed;
+  AveragedLoop loop(options);
+  std::vector<Record> records;
+  Orbit before = loop.orbit();
+  for (int n = 0; n < steps; ++n) {
+    const AveragedLoop::Output output = loop.step();
+    const Orbit& now = output.elements.orbit;
+    Record record;
+    record.theta = 0.5 * (before.theta + now.theta);
+    record.phi = 0.5 * (before.phi + now.phi);
+    record.input.drive = output.gains.drive.total();
+    record.input.reference_frequency = output.gains.reference_frequency;
+    record.input.pattern_rate = (now.theta - before.theta) / kStep;
+    record.measured = {now.a, now.b};
+    before = now;
+    records.push_back(record);
+  }
+  return records;
+}
+
+IntervalNoise noiseOf(double density, double process) {
+  IntervalNoise noise;
+  noise.sample_variance = density * density / kStep;
+  noise.axes_density = process * process;
+  noise.angle_density = density * density;
+  return noise;
+}
+
+StateVector startValue() {
+  StateVector value;
+  value << 1.0, 0.0, 0.0, 0.0, -25e-6, -45e-6, 1.05e5;
+  return value;
+}
+
+StateVector startSigma() {
+  StateVector sigma;
+  sigma << 1e-3, 1e-3, 0.05, 0.05, 1e-5, 1e-5, 1e4;
+  return sigma;
+}
+
+/// The same estimator with nothing clever in it: all nine states (29) plus the running sums of a
+/// and b, full matrices, long double, textbook update with a full-size inverse.
+class DenseReference {
+ public:
+  using Real = long double;
+  using Vector = Eigen::Matrix<Real, 9, 1>;
+  using Matrix = Eigen::Matrix<Real, 9, 9>;
+
+  DenseReference(const IntervalNoise& noise, const StateVector& value, const StateVector& sigma)
+      : model_(kFrequency, kQuality), noise_(noise) {
+    value_.setZero();
+    value_.head<7>() = value.cast<Real>();
+    covariance_.setZero();
+    covariance_.diagonal().head<7>() = sigma.cast<Real>().cwiseAbs2();
+  }
+
+  void step(const Record& record) {
+    const DeviceParameters device{static_cast<double>(value_[2]), static_cast<double>(value_[3]),
+                                  static_cast<double>(value_[4]), static_cast<double>(value_[5]),
+                                  static_cast<double>(value_[6])};
+    const Eigen::Vector2d axes = value_.head<2>().cast<double>();
+    const AxesStep step =
+        model_.axesStep({axes[0], axes[1], record.theta, record.phi}, device, record.input, kStep);
+    // The increment is small: taken in double, the sum in long double.
+    value_.head<2>() += (step.axes - axes).cast<Real>();
+    Matrix transition = Matrix::Identity();
+    transition.block<2, 2>(0, 0) = step.by_axes.cast<Real>();
+    transition.block<2, 5>(0, 2) = step.by_parameters.cast<Real>();
+    Matrix process = Matrix::Zero();
+    process.block<2, 2>(0, 0) =
+        Real(kStep) * (Real(noise_.angle_density / axes.squaredNorm()) *
+                           (step.rate_by_angles * step.rate_by_angles.transpose()).cast<Real>() +
+                       Real(noise_.axes_density) * Eigen::Matrix<Real, 2, 2>::Identity());
+    covariance_ = (transition * covariance_ * transition.transpose() + process).eval();
+
+    Matrix add = Matrix::Identity();
+    add.block<2, 2>(7, 0).setIdentity();
+    value_ = (add * value_).eval();
+    covariance_ = (add * covariance_ * add.transpose()).eval();
+    measured_ += record.measured.cast<Real>();
+    ++samples_;
+  }
+
+  Real update() {
+    const Real share = Real(1) / samples_;
+    Eigen::Matrix<Real, 2, 9> h = Eigen::Matrix<Real, 2, 9>::Zero();
+    h(0, 7) = h(1, 8) = share;
+    const Eigen::Matrix<Real, 2, 2> s =
+        h * covariance_ * h.transpose() +
+        share * Real(noise_.sample_variance) * Eigen::Matrix<Real, 2, 2>::Identity();
+    const Eigen::Matrix<Real, 9, 2> gain = covariance_ * h.transpose() * s.inverse();
+    const Eigen::Matrix<Real, 2, 1> innovation = share * measured_ - h * value_;
+    value_ += gain * innovation;
+    const Matrix rest = Matrix::Identity() - gain * h;
+    covariance_ = (rest * covariance_ * rest.transpose() +
+                   share * Real(noise_.sample_variance) * gain * gain.transpose())
+                      .eval();
+    // The sums start again from zero.
+    value_.tail<2>().setZero();
+    covariance_.bottomRows<2>().setZero();
+    covariance_.rightCols<2>().setZero();
+    measured_.setZero();
+    samples_ = 0;
+    return innovation.dot(s.inverse() * innovation);
+  }
+
+  Eigen::Matrix<Real, 7, 1> value() const { return value_.head<7>(); }
+  Eigen::Matrix<Real, 7, 7> covariance() const { return covariance_.topLeftCorner<7, 7>(); }
+
+ private:
+  AveragedModel model_;
+  IntervalNoise noise_;
+  Vector value_;
+  Matrix covariance_;
+  Eigen::Matrix<Real, 2, 1> measured_ = Eigen::Matrix<Real, 2, 1>::Zero();
+  int samples_ = 0;
+};
+
+TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
+  for (const int period : {1, 10, 100}) {
+    SCOPED_TRACE(period);
+    const std::vector<Record> records = recordLoop(30000, 5e-6);
+    const IntervalNoise noise = noiseOf(5e-6, 2e-6);
+    IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise);
+    filter.initialise(startValue(), startSigma(), kNoWalk);
+    DenseReference reference(noise, startValue(), startSigma());
+    double worst_value = 0.0, worst_sigma = 0.0, worst_nis = 0.0;
+    for (std::size_t n = 0; n < records.size(); ++n) {
+      filter.step(records[n].theta, records[n].phi, records[n].input, kStep);
+      filter.sample(records[n].measured);
+      reference.step(records[n]);
+      if ((n + 1) % static_cast<std::size_t>(period) != 0) continue;
+      const IntervalUpdate update = filter.update();
+      ASSERT_TRUE(update.accepted);
+      const double nis = static_cast<double>(reference.update());
+      worst_nis =
+          std::max(worst_nis, std::abs(update.normalised_innovation_squared - nis) / (1.0 + nis));
+      const StateMatrix covariance = filter.covariance();
+      for (int k = 0; k < 7; ++k) {
+        const double sigma = std::sqrt(static_cast<double>(reference.covariance()(k, k)));
+        const double off = static_cast<double>(filter.value()[k] - reference.value()[k]);
+        worst_value = std::max(worst_value, std::abs(off) / sigma);
+        worst_sigma = std::max(worst_sigma, std::abs(std::sqrt(covariance(k, k)) / sigma - 1.0));
+      }
+    }
+    EXPECT_LT(worst_value, 1e-6);
+    EXPECT_LT(worst_sigma, 1e-8);
+    EXPECT_LT(worst_nis, 1e-7);
+  }
+}
+
+// A ring without dynamics, so that the noise of end and mean can be written down: from a known
+// start, S = q h (n + 1)(2 n + 1) / (6 n) + R / n for the mean of a random walk at n times.
+TEST(IntervalFilter, ProcessNoiseEntersMeanAndEndAsItShould) {
+  const double density = 1e-3;
+  const double process = 0.5;
+  for (const int samples : {1, 2, 7, 100}) {
+    SCOPED_TRACE(samples);
+    IntervalNoise noise;
+    noise.sample_variance = density * density / kStep;
+    noise.axes_density = process * process;
+    IntervalFilter filter(AveragedModel(kFrequency, 1e18), noise);
+    StateVector value = StateVector::Zero();
+    value[kA] = 1.0;
+    value[kDriveGain] = 1e5;
+    filter.initialise(value, StateVector::Zero(), kNoWalk);
+    AveragedInput input;
+    input.reference_frequency = kTwoPi * kFrequency;
+    for (int n = 0; n < samples; ++n) {
+      filter.step(0.3, -kPi / 2, input, kStep);
+      filter.sample({1.5, 0.25});
+    }
+    const IntervalUpdate update = filter.update();
+    const double n = samples;
+    const double end = noise.axes_density * kStep * n;
+    const double mean = end * (n + 1.0) * (2.0 * n + 1.0) / (6.0 * n * n);
+    const double cross = end * (n + 1.0) / (2.0 * n);
+    const double s = mean + noise.sample_variance / n;
+    EXPECT_NEAR(update.innovation_covariance(0, 0), s, 1e-12 * s);
+    EXPECT_NEAR(update.innovation_covariance(0, 1), 0.0, 1e-12 * s);
+    EXPECT_NEAR(update.innovation[0], 0.5, 1e-12);
+    EXPECT_NEAR(update.normalised_innovation_squared, (0.25 + 0.0625) / s, 1e-10 / s);
+    EXPECT_NEAR(filter.value()[kA], 1.0 + cross / s * 0.5, 1e-12);
+    EXPECT_NEAR(filter.value()[kB], cross / s * 0.25, 1e-12);
+    EXPECT_NEAR(filter.covariance()(kB, kB), end - cross * cross / s, 1e-12 * end);
+  }
+}
+
+TEST(IntervalFilter, ParametersWalk) {
+  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(1.0, 0.0));
+  IntervalFilter::ParameterVector walk;
+  walk << 1e-3, 2e-3, 3e-7, 4e-7, 50.0;
+  StateVector sigma = StateVector::Zero();
+  sigma.head<2>().setConstant(1e-9);
+  filter.initialise(startValue(), sigma, walk);
+  const std::vector<Record> records = recordLoop(100, 0.0);
+  for (int period = 0; period < 4; ++period) {
+    for (const Record& record : records) {
+      filter.step(record.theta, record.phi, record.input, kStep);
+      filter.sample(record.measured);
+    }
+    ASSERT_TRUE(filter.update().accepted);
+  }
+  // Measurements as bad as these teach nothing: 0.4 s of walk remain.
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_NEAR(std::sqrt(filter.covariance()(k + 2, k + 2)), walk[k] * std::sqrt(0.4),
+                1e-3 * walk[k]);
+  }
+}
+
+TEST(IntervalFilter, RestartedAxesAreCorrelatedWithNothing) {
+  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 2e-6));
+  filter.initialise(startValue(), startSigma(), kNoWalk);
+  for (const Record& record : recordLoop(100, 5e-6)) {
+    filter.step(record.theta, record.phi, record.input, kStep);
+    filter.sample(record.measured);
+  }
+  filter.update();
+  const StateMatrix before = filter.covariance();
+  filter.restartAxes({0.9, 0.01}, 0.02);
+  const StateMatrix after = filter.covariance();
+  EXPECT_EQ((after.bottomRightCorner<5, 5>()), (before.bottomRightCorner<5, 5>()));
+  EXPECT_TRUE((after.topRightCorner<2, 5>().isZero(0.0)));
+  EXPECT_TRUE((after.bottomLeftCorner<5, 2>().isZero(0.0)));
+  EXPECT_DOUBLE_EQ(after(0, 0), 4e-4);
+  EXPECT_EQ(after(0, 1), 0.0);
+  EXPECT_EQ(filter.value()[kA], 0.9);
+}
+
+TEST(IntervalFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
+  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 2e-6));
+  filter.initialise(startValue(), startSigma(), kNoWalk);
+  EXPECT_FALSE(filter.update().accepted);  // no sample at all
+  const std::vector<Record> records = recordLoop(10, 0.0);
+  filter.step(records[0].theta, records[0].phi, records[0].input, kStep);
+  filter.sample({std::nan(""), 0.0});
+  EXPECT_FALSE(filter.update().accepted);
+  filter.step(std::nan(""), records[0].phi, records[0].input, kStep);
+  filter.sample(records[0].measured);
+  EXPECT_FALSE(filter.update().accepted);
+  EXPECT_EQ(filter.value(), startValue());
+  EXPECT_TRUE(
+      filter.covariance().isApprox(StateMatrix(startSigma().cwiseAbs2().asDiagonal()), 1e-15));
+  filter.step(records[0].theta, records[0].phi, records[0].input, kStep);
+  filter.sample(records[0].measured);
+  EXPECT_TRUE(filter.update().accepted);
+}
+
+TEST(IntervalFilter, CovarianceStaysSymmetricAndPositiveOver300000Updates) {
+  const std::vector<Record> records = recordLoop(30000, 5e-6);
+  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 0.0));
+  StateVector sigma = startSigma();
+  sigma[kA] = sigma[kB] = 1.0;  // as far from the end as it may be
+  filter.initialise(startValue(), sigma, kNoWalk);
+  for (int n = 0; n < 300000; ++n) {
+    const Record& record = records[static_cast<std::size_t>(n) % records.size()];
+    // 30 s are three quarters of a turn of the pattern: restart where the record does.
+    if (n % 30000 == 0) filter.restartAxes(record.measured, 1.0);
+    filter.step(record.theta, record.phi, record.input, kStep);
+    filter.sample(record.measured);
+    ASSERT_TRUE(filter.update().accepted) << n;
+    if (n % 100 != 0) continue;
+    const StateMatrix covariance = filter.covariance();
+    ASSERT_EQ(covariance, covariance.transpose()) << n;
+    const StateVector scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+    const StateMatrix correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+    ASSERT_EQ(correlation.llt().info(), Eigen::Success) << n;
+  }
+  EXPECT_NEAR(filter.value()[kGamma1], kDevice.gamma1, 5e-6);
+}
+
+// Expected value 2 with variance 4: 6 runs of 300 updates each, three sigmas of their mean.
+TEST(IntervalFilter, InnovationsAreAsLargeAsTheirCovarianceSays) {
+  double sum = 0.0;
+  int updates = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 0.0));
+    // Near the truth: what is tested is the noise, not the way there.
+    StateVector value, sigma;
+    value << 1.0, 0.0, 0.0201, 0.0301, -30.01e-6, -40.01e-6, 1.1e5;
+    sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-8, 1e-8, 100.0;
+    filter.initialise(value, sigma, kNoWalk);
+    const std::vector<Record> records = recordLoop(30000, 5e-6, seed);
+    for (std::size_t n = 0; n < records.size(); ++n) {
+      filter.step(records[n].theta, records[n].phi, records[n].input, kStep);
+      filter.sample(records[n].measured);
+      if ((n + 1) % 100 != 0) continue;
+      sum += filter.update().normalised_innovation_squared;
+      ++updates;
+    }
+  }
+  EXPECT_NEAR(sum / updates, 2.0, 3.0 * 2.0 / std::sqrt(updates));
+}
+
+TEST(IntervalFilter, KnowsHowFarItIsLinear) {
+  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 2e-6));
+  const double w = kTwoPi * kFrequency;
+  StateVector sigma;
+  sigma << 1e-3, 1e-3, 0.1, 0.1, 1e-4, 1e-4, 5e4;
+  filter.initialise(startValue(), sigma, kNoWalk);
+  EXPECT_FALSE(filter.isLinearOver(0.1, 100, w));
+  sigma << 1e-5, 1e-5, 1e-3, 1e-3, 1e-8, 1e-8, 100.0;
+  filter.initialise(startValue(), sigma, kNoWalk);
+  EXPECT_TRUE(filter.isLinearOver(0.1, 100, w));
+  EXPECT_FALSE(filter.isLinearOver(10.0, 10000, w));
+}
+
+}  // namespace
+}  // namespace ring_gyro
