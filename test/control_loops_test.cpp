@@ -20,6 +20,7 @@ struct LoopSetup {
   PlantParameters plant;
   ControlParameters control;
   ConverterParameters converter;
+  Calibration calibration;
 
   LoopSetup() {
     ResonatorParameters& r = plant.resonator;
@@ -44,7 +45,7 @@ class Loop {
  public:
   explicit Loop(const LoopSetup& setup)
       : plant_(setup.plant, setup.converter, 1, 1, kStart),
-        loops_(setup.control, {}, setup.converter) {
+        loops_(setup.control, {}, setup.converter, setup.calibration) {
     block_ = plant_.start();
   }
   const LoopOutput& step() {
@@ -170,8 +171,8 @@ TEST(ControlLoops, CompensateAKnownMismatchFromTheStart) {
     return highest - lowest;
   };
   EXPECT_NEAR(spread(setup), 8.26, 0.1);  // 2 xi0 w0 |gamma|
-  setup.control.compensated_gamma1 = 0.02;
-  setup.control.compensated_gamma2 = 0.03;
+  setup.calibration.gamma1 = 0.02;
+  setup.calibration.gamma2 = 0.03;
   EXPECT_LT(spread(setup), 0.01);
 }
 

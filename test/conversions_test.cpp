@@ -113,6 +113,7 @@ TEST(Conversions, DriveCommand) {
   command.reference_phase = values.next();
   command.reference_frequency = values.next();
   command.envelope = values.nextEnvelope();
+  command.table_rate = values.next();
   expectSameBits<ring_gyro_msgs::DriveCommand>(
       command, [&](const DriveCommand& from, ring_gyro_msgs::DriveCommand& to) {
         toMessage(from, answered, to);
@@ -127,6 +128,8 @@ TEST(Conversions, OrbitalElements) {
     elements.group_delay = values.next();
     elements.orbit = {values.next(), values.next(), 100.0 * i - 2000.0, values.next()};
     elements.theta_rate = values.next();
+    elements.angle = values.next();
+    elements.angle_rate = values.next();
     elements.status = values.nextStatus();
     expectSameBits<ring_gyro_msgs::OrbitalElements>(elements);
   }
@@ -213,8 +216,8 @@ TEST(Conversions, PlantTruth) {
 TEST(Conversions, SensedRateHasTheSignOfTheCase) {
   OrbitalElements elements;
   elements.stamp = {1, 0, 5000000, 1000000};
-  elements.orbit.theta = -0.37 * 0.5;  // the case has turned by half a radian
-  elements.theta_rate = -0.37 * 2.0;
+  elements.angle = -0.37 * 0.5;  // the case has turned by half a radian
+  elements.angle_rate = -0.37 * 2.0;
   sensor_msgs::Imu imu;
   toMessage(elements, 0.37, "gyro", imu);
   EXPECT_NEAR(imu.angular_velocity.z, 2.0, 1e-12);

@@ -309,8 +309,8 @@ class Results:
 
 def compensated(estimate: dict, target: tuple) -> dict:
     """Overrides that leave `target` of the mismatch that the identification found."""
-    return {"control/compensated_gamma1": repr(estimate["gamma1"] - target[0]),
-            "control/compensated_gamma2": repr(estimate["gamma2"] - target[1])}
+    return {"calibration/gamma1": repr(estimate["gamma1"] - target[0]),
+            "calibration/gamma2": repr(estimate["gamma2"] - target[1])}
 
 
 def run_all(folder: Path, settings: Settings, progress_factory=Progress) -> Results:

@@ -169,6 +169,33 @@ void applyOverride(YAML::Node& root, const std::string& text, Faults& faults) {
   }
 }
 
+YAML::Node loadFile(const std::string& path) {
+  try {
+    return YAML::LoadFile(path);
+  } catch (const YAML::BadFile&) {
+    throw ConfigurationError({path + ": the file cannot be read"});
+  } catch (const YAML::ParserException& error) {
+    throw ConfigurationError({path + ":" + std::to_string(error.mark.line + 1) + ":" +
+                              std::to_string(error.mark.column + 1) + ": not YAML: " + error.msg});
+  }
+}
+
+/// Puts the keys of `file`, a map of sections, into those of `root`.
+void layOver(YAML::Node& root, const YAML::Node& file, const std::string& path, Faults& faults) {
+  if (!file.IsMap()) {
+    faults.push_back(path + ": not a map of sections");
+    return;
+  }
+  for (const auto& section : file) {
+    const std::string name = shownValue(section.first);
+    if (!section.second.IsMap() || !root[name].IsDefined() || !root[name].IsMap()) {
+      root[name] = section.second;
+      continue;
+    }
+    for (const auto& entry : section.second) root[name][shownValue(entry.first)] = entry.second;
+  }
+}
+
 }  // namespace
 
 ConfigurationError::ConfigurationError(std::vector<std::string> faults)
@@ -217,16 +244,22 @@ LoopConfiguration readConfiguration(const YAML::Node& root, NodeParameters* node
 LoopConfiguration readConfigurationFile(const std::string& path,
                                         const std::vector<std::string>& overrides,
                                         NodeParameters* node) {
+  return readConfigurationFiles({path}, overrides, node);
+}
+
+LoopConfiguration readConfigurationFiles(const std::vector<std::string>& paths,
+                                         const std::vector<std::string>& overrides,
+                                         NodeParameters* node) {
   YAML::Node root;
-  try {
-    root = YAML::LoadFile(path);
-  } catch (const YAML::BadFile&) {
-    throw ConfigurationError({path + ": the file cannot be read"});
-  } catch (const YAML::ParserException& error) {
-    throw ConfigurationError({path + ":" + std::to_string(error.mark.line + 1) + ":" +
-                              std::to_string(error.mark.column + 1) + ": not YAML: " + error.msg});
-  }
   Faults faults;
+  for (const std::string& path : paths) {
+    YAML::Node file = loadFile(path);
+    if (path == paths.front()) {
+      root = file;
+    } else {
+      layOver(root, file, path, faults);
+    }
+  }
   if (overrides.empty() || root.IsMap() || root.IsNull()) {
     for (const std::string& text : overrides) applyOverride(root, text, faults);
   }

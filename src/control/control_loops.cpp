@@ -44,7 +44,7 @@ const ControlParameters& checked(const ControlParameters& p) {
 
 ControlLoops::ControlLoops(const ControlParameters& control,
                            const DemodulationParameters& demodulation,
-                           const ConverterParameters& converter)
+                           const ConverterParameters& converter, const Calibration& calibration)
     : parameters_(checked(control)),
       converter_(converter),
       demodulator_(demodulation, converter, control.natural_frequency),
@@ -64,10 +64,27 @@ ControlLoops::ControlLoops(const ControlParameters& control,
       quadrature_lock_(lockBlocks(converter)),
       phase_lock_(lockBlocks(converter)),
       lead_(demodulator_.groupDelay() + 0.5 * converter.blockDuration()),
-      virtual_rate_(control.virtual_rate),
       frequency_(kTwoPi * (control.natural_frequency + control.frequency_offset)) {
-  const double per_gamma = 2.0 * decayRate(control) / control.drive_gain;  // [s]
-  compensation_ = {per_gamma * control.compensated_gamma1, per_gamma * control.compensated_gamma2};
+  setSettings({control.virtual_rate, 0.0, control.amplitude_modulation,
+               control.amplitude_modulation_frequency, calibration});
+}
+
+void ControlLoops::setSettings(const LoopSettings& settings) {
+  settings_ = settings;
+  drive_correction_ = settings.calibration.driveCorrection();
+  compensation_ = {};
+  if (settings.calibration.cancel_damping) {
+    const double per_gamma = 2.0 * decayRate(parameters_) / parameters_.drive_gain;  // [s]
+    compensation_ = {per_gamma * settings.calibration.gamma1,
+                     per_gamma * settings.calibration.gamma2};
+  }
+}
+
+double ControlLoops::amplitudeSetpoint() const {
+  if (settings_.amplitude_modulation == 0.0) return parameters_.amplitude;
+  const double time = static_cast<double>(last_stamp_.sequence) * converter_.blockDuration();
+  const double swing = std::sin(kTwoPi * settings_.amplitude_modulation_frequency * time);
+  return parameters_.amplitude * (1.0 + settings_.amplitude_modulation * swing);
 }
 
 bool ControlLoops::samplesUsable(const DisplacementBlock& block) const {
@@ -91,7 +108,8 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   status.invalid_samples = !usable || blocks_to_settle_ > 0;
   status.converter_saturated = block.saturated_samples > 0;
   if (usable) {
-    const Eigen::Vector2cd envelope = demodulator_.process(block);
+    const Eigen::Vector2cd envelope =
+        settings_.calibration.undistorted(demodulator_.process(block));
     if (blocks_to_settle_ > 0) {
       --blocks_to_settle_;
     } else {
@@ -101,6 +119,9 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   output_.elements.stamp = block.stamp;
   output_.elements.group_delay = demodulator_.groupDelay();
   output_.elements.theta_rate = theta_rate_;
+  const double theta = output_.elements.orbit.theta;
+  output_.elements.angle = settings_.calibration.outputAngle(theta);
+  output_.elements.angle_rate = theta_rate_ * settings_.calibration.outputSlope(theta);
   recallActedDrive(block);
   status.drive_saturated = output_.gains.status.drive_saturated;
   status.amplitude_locked = amplitude_lock_.locked();
@@ -133,7 +154,7 @@ void ControlLoops::measure(const Eigen::Vector2cd& envelope, double period) {
     tracked_theta_ += (theta_rate_ + angle_tracker_gains_.proportional * error) * period;
     theta_rate_ += angle_tracker_gains_.integral * error * period;
   }
-  amplitude_lock_.update(std::abs(orbit.a / parameters_.amplitude - 1.0) < kAmplitudeLockError);
+  amplitude_lock_.update(std::abs(orbit.a / amplitudeSetpoint() - 1.0) < kAmplitudeLockError);
   quadrature_lock_.update(orbit_found_ && std::abs(orbit.b) < kQuadratureLockError * orbit.a);
   phase_lock_.update(orbit_found_ && std::abs(orbit.phi + 0.5 * kPi) < kPhaseLockError);
 }
@@ -163,7 +184,7 @@ DriveGains ControlLoops::closeLoops(double theta) {
   frequency_ = kTwoPi * (parameters_.natural_frequency + parameters_.frequency_offset) +
                frequency_correction + frequency_feedforward_.at(theta);
   DriveGains gains;
-  gains.sustain_force = force_per_rate * amplitude_loop_.update(parameters_.amplitude - orbit.a);
+  gains.sustain_force = force_per_rate * amplitude_loop_.update(amplitudeSetpoint() - orbit.a);
   // b' = -ks a alpha / (2 w): alpha grows with b.
   const double quadrature_correction = quadrature_loop_.update(orbit.b);
   gains.alpha =
@@ -178,7 +199,7 @@ DriveGains ControlLoops::closeLoops(double theta) {
   }
   was_locked_ = locked;
   if (locked) {
-    gains.virtual_rate = virtual_rate_;
+    gains.virtual_rate = settings_.virtual_rate + settings_.calibration.driftAt(theta);
     gains.compensation = compensation_;
   }
   return gains;
@@ -235,7 +256,9 @@ void ControlLoops::command(const DisplacementBlock& block) {
   command.reference_phase = wrapToPi(block.reference_phase + block.reference_frequency * period);
   command.reference_frequency = frequency_;
   command.envelope =
-      total * (std::polar(1.0, frequency_ * parameters_.hold_delay) / parameters_.hold_gain);
+      (std::polar(1.0, frequency_ * parameters_.hold_delay) / parameters_.hold_gain) *
+      (drive_correction_ * total);
+  command.table_rate = settings_.table_rate;
 }
 
 }  // namespace ring_gyro

@@ -38,11 +38,13 @@ void ControlParameters::declare(ParameterTable& table) {
   table
       .number("learning_rate", learning_rate, "1/s", Range::between(0.0, 10.0),
               "at which quadrature and frequency learn their swing with the pattern angle; 0: off")
-      .number("compensated_gamma1", compensated_gamma1, "1", Range::between(-0.5, 0.5),
-              "damping mismatch along the axes that is compensated from the start")
-      .number("compensated_gamma2", compensated_gamma2, "1", Range::between(-0.5, 0.5),
-              "damping mismatch across the axes that is compensated from the start");
-  table.flag("compensation", compensation, "apply the decisions of the compensation injector");
+      .number("amplitude_modulation", amplitude_modulation, "1", Range::between(0.0, 0.5),
+              "swing of the setpoint of a, relative: tells the drive's errors from the ring's")
+      .number("amplitude_modulation_frequency", amplitude_modulation_frequency, "Hz",
+              Range::between(1e-3, 10.0), "of that swing");
+  table.flag("compensation", compensation, "apply the decisions of the compensation injector")
+      .flag("calibration_run", calibration_run,
+            "take steering, amplitude and corrections from a calibration run");
 }
 
 }  // namespace ring_gyro

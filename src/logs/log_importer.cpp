@@ -479,6 +479,8 @@ void LogImporter::emit() {
       has(Quantity::kGroupDelay) ? valueOf(block_.row, Quantity::kGroupDelay) : groupDelay();
   elements.orbit = block_.orbit;
   elements.theta_rate = theta_rate_;
+  elements.angle = block_.orbit.theta;
+  elements.angle_rate = theta_rate_;
   // A flag in the log decides alone; a block is as good as the worst of its rows.
   const bool usable = has(Quantity::kUsable)
                           ? valueOf(block_.row, Quantity::kUsable) > 1.0 - 1e-9

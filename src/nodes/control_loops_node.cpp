@@ -26,7 +26,7 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
       compensation_(configuration.loop.control.compensation),
       period_blocks_(configuration.loop.periodBlocks()),
       loops_(configuration.loop.control, configuration.loop.demodulation,
-             configuration.loop.converter),
+             configuration.loop.converter, configuration.loop.calibration),
       burst_blocks_(parameters_.lockstep ? static_cast<std::uint64_t>(parameters_.burst_blocks)
                                          : 1),
       command_(Output::advertise<ring_gyro_msgs::DriveCommand>(handle_, topics::kDriveCommand)),

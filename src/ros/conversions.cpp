@@ -95,6 +95,7 @@ void toMessage(const DriveCommand& command, const BlockStamp& answered,
   message.reference_phase = command.reference_phase;
   message.reference_frequency = command.reference_frequency;
   envelopeToMessage(command.envelope, message.envelope);
+  message.table_rate = command.table_rate;
 }
 
 void fromMessage(const ring_gyro_msgs::DriveCommand& message, DriveCommand& command) {
@@ -102,6 +103,7 @@ void fromMessage(const ring_gyro_msgs::DriveCommand& message, DriveCommand& comm
   command.reference_phase = message.reference_phase;
   command.reference_frequency = message.reference_frequency;
   command.envelope = envelopeFromMessage(message.envelope);
+  command.table_rate = message.table_rate;
 }
 
 void toMessage(const OrbitalElements& elements, ring_gyro_msgs::OrbitalElements& message) {
@@ -112,6 +114,8 @@ void toMessage(const OrbitalElements& elements, ring_gyro_msgs::OrbitalElements&
   message.theta = elements.orbit.theta;
   message.phi = elements.orbit.phi;
   message.theta_rate = elements.theta_rate;
+  message.angle = elements.angle;
+  message.angle_rate = elements.angle_rate;
   message.turns = static_cast<std::int32_t>(std::trunc(elements.orbit.theta / kTwoPi));
   statusToMessage(elements.status, message.status);
 }
@@ -121,6 +125,8 @@ void fromMessage(const ring_gyro_msgs::OrbitalElements& message, OrbitalElements
   elements.group_delay = message.group_delay;
   elements.orbit = {message.a, message.b, message.theta, message.phi};
   elements.theta_rate = message.theta_rate;
+  elements.angle = message.angle;
+  elements.angle_rate = message.angle_rate;
   elements.status = statusFromMessage(message.status);
 }
 
@@ -270,12 +276,12 @@ void toMessage(const OrbitalElements& elements, double angular_gain, const std::
                sensor_msgs::Imu& message) {
   message.header.stamp = timeFromNanoseconds(elements.stamp.end_ns);
   message.header.frame_id = frame;
-  const double angle = -elements.orbit.theta / angular_gain;
+  const double angle = -elements.angle / angular_gain;
   message.orientation.x = 0.0;
   message.orientation.y = 0.0;
   message.orientation.z = std::sin(0.5 * angle);
   message.orientation.w = std::cos(0.5 * angle);
-  message.angular_velocity.z = -elements.theta_rate / angular_gain;
+  message.angular_velocity.z = -elements.angle_rate / angular_gain;
   message.linear_acceleration_covariance[0] = -1.0;
 }
 

@@ -67,6 +67,7 @@ Sections LoopConfiguration::sections() {
   result.push_back(section("rotation", plant.rotation));
   result.push_back(section("demodulation", demodulation));
   result.push_back(section("control", control));
+  result.push_back(section("calibration", calibration));
   result.push_back(section("identification", identification));
   result.push_back(section("compensation", compensation));
   return result;

@@ -8,7 +8,8 @@
 
 namespace ring_gyro {
 
-/// The options by which every tool is told its configuration: --config FILE, --seed N and
+/// The options by which every tool is told its configuration: --config FILE (repeated:
+/// later files override), --seed N and
 /// --set section/key=value.
 class ConfigurationOptions {
  public:
@@ -19,7 +20,7 @@ class ConfigurationOptions {
   LoopConfiguration read() const;
 
  private:
-  std::string file_;
+  std::vector<std::string> files_;
   std::string seed_;
   std::vector<std::string> overrides_;
 };

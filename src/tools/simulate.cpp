@@ -25,7 +25,7 @@ namespace options = boost::program_options;
 volatile std::sig_atomic_t interrupted = 0;  // what a signal handler may touch
 
 struct Arguments {
-  std::string configuration_file;
+  std::vector<std::string> configuration_files;
   std::string output_file;
   std::vector<std::string> overrides;
   bool raw = false;
@@ -47,7 +47,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   options::options_description description("simulate");
   description.add_options()("help,h", "this text")(
-      "config,c", options::value(&arguments.configuration_file), "YAML file of the configuration")(
+      "config,c", options::value(&arguments.configuration_files)->composing(),
+      "YAML file of the configuration; of several, later ones override")(
       "output,o", options::value(&arguments.output_file), "bag to write")(
       "duration", options::value<std::string>(), "of the run [s], instead of run/duration")(
       "seed", options::value<std::string>(), "of all noise, instead of run/seed")(
@@ -67,7 +68,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
     std::cout << parametersMarkdown();
     return std::nullopt;
   }
-  if (arguments.configuration_file.empty()) {
+  if (arguments.configuration_files.empty()) {
     throw options::error("--config FILE is missing; see simulate --help");
   }
   for (const char* name : {"duration", "seed"}) {
@@ -156,7 +157,7 @@ int main(int argc, char** argv) {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;
     const LoopConfiguration configuration =
-        readConfigurationFile(arguments->configuration_file, arguments->overrides);
+        readConfigurationFiles(arguments->configuration_files, arguments->overrides);
     std::signal(SIGINT, [](int) { interrupted = 1; });
     std::signal(SIGTERM, [](int) { interrupted = 1; });
     print(simulate(configuration, *arguments), configuration, *arguments);

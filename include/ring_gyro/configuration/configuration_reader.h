@@ -42,6 +42,12 @@ LoopConfiguration readConfigurationFile(const std::string& path,
                                         const std::vector<std::string>& overrides = {},
                                         NodeParameters* node = nullptr);
 
+/// The same from several files, of which each overrides the keys of those before it: a preset, then
+/// a calibration.
+LoopConfiguration readConfigurationFiles(const std::vector<std::string>& paths,
+                                         const std::vector<std::string>& overrides = {},
+                                         NodeParameters* node = nullptr);
+
 /// Reference of all parameters: a heading and a table for each section.
 std::string parametersMarkdown();
 

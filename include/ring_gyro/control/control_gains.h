@@ -29,6 +29,8 @@ struct OrbitalElements {
   double group_delay = 0.0;  ///< of the demodulator [s]
   Orbit orbit;               ///< theta unwrapped; phi in (-pi, 0]
   double theta_rate = 0.0;   ///< smoothed precession rate [rad/s]
+  double angle = 0.0;        ///< theta after the angle map: the output of the gyroscope [rad]
+  double angle_rate = 0.0;   ///< its rate, smoothed [rad/s]
   LoopStatus status;
 };
 

@@ -5,11 +5,13 @@
 #include <cstdint>
 
 #include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/control/calibration.h"
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/control/control_parameters.h"
 #include "ring_gyro/control/drive_synthesis.h"
 #include "ring_gyro/control/lock_detector.h"
 #include "ring_gyro/control/loop_filter.h"
+#include "ring_gyro/control/loop_settings.h"
 #include "ring_gyro/control/pattern_feedforward.h"
 #include "ring_gyro/demodulation/demodulator.h"
 #include "ring_gyro/demodulation/orbital_elements.h"
@@ -35,15 +37,15 @@ class ControlLoops {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
   ControlLoops(const ControlParameters& control, const DemodulationParameters& demodulation,
-               const ConverterParameters& converter);
+               const ConverterParameters& converter, const Calibration& calibration = {});
 
   /// One block in, everything out. The reference is good until the next call.
   const LoopOutput& process(const DisplacementBlock& block);
 
   /// Damping compensation from the next command on.
   void setCompensation(const DampingCompensation& compensation) { compensation_ = compensation; }
-  /// Steering from the next command on, once locked: acts as a rotation k Om of this [rad/s].
-  void setVirtualRate(double virtual_rate) { virtual_rate_ = virtual_rate; }
+  /// Steering, modulation and corrections from the next block on.
+  void setSettings(const LoopSettings& settings);
 
   double groupDelay() const { return demodulator_.groupDelay(); }
 
@@ -62,6 +64,7 @@ class ControlLoops {
   void recallActedDrive(const DisplacementBlock& block);
   void command(const DisplacementBlock& block);
   DriveGains closeLoops(double theta);
+  double amplitudeSetpoint() const;
 
   ControlParameters parameters_;
   ConverterParameters converter_;
@@ -83,8 +86,9 @@ class ControlLoops {
   double theta_rate_ = 0.0;
   bool orbit_found_ = false;
   bool was_locked_ = false;
-  double virtual_rate_ = 0.0;
   double frequency_;
+  LoopSettings settings_;
+  Eigen::Matrix2cd drive_correction_;  // of settings_.calibration
   DampingCompensation compensation_;
   std::array<ActedDrive, kDriveMemory> drives_;
   LoopOutput output_;

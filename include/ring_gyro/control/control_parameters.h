@@ -25,10 +25,11 @@ struct ControlParameters {
   LoopTuning amplitude_loop;
   LoopTuning quadrature_loop;
   LoopTuning angle_tracker;
-  double learning_rate = 0.3;       ///< of the swings with the pattern angle; 0: off [1/s]
-  double compensated_gamma1 = 0.0;  ///< damping mismatch that is compensated from the start
-  double compensated_gamma2 = 0.0;  ///< the same across the axes
-  bool compensation = false;        ///< wait for and apply the injector's decisions
+  double learning_rate = 0.3;         ///< of the swings with the pattern angle; 0: off [1/s]
+  double amplitude_modulation = 0.0;  ///< of the setpoint of a, relative; 0: none
+  double amplitude_modulation_frequency = 0.5;  ///< [Hz]
+  bool compensation = false;                    ///< wait for and apply the injector's decisions
+  bool calibration_run = false;  ///< wait for and apply settings of a calibration run
 
   void declare(ParameterTable& table);
 };

@@ -5,6 +5,7 @@
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/compensation/compensation_injector.h"
+#include "ring_gyro/control/calibration.h"
 #include "ring_gyro/control/control_parameters.h"
 #include "ring_gyro/demodulation/demodulator.h"
 #include "ring_gyro/identification/identifier.h"
@@ -46,11 +47,12 @@ struct LoopConfiguration {
   PlantParameters plant;
   DemodulationParameters demodulation;
   ControlParameters control;
+  Calibration calibration;
   IdentificationParameters identification;
   InjectorParameters compensation;
 
   /// The sections in the order of the file: run, converter, device, resonator, sense, drive,
-  /// rotation, demodulation, control, identification, compensation. The tables point into this
+  /// rotation, demodulation, control, calibration, identification, compensation. The tables point into this
   /// object.
   Sections sections();
 

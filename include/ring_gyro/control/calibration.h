@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "ring_gyro/common/angle_harmonics.h"
+#include "ring_gyro/common/parameter_table.h"
+
+namespace ring_gyro {
+
+/// How the path from the commanded drive to the measured motion departs from ks alone:
+///
+///     e^{-i phase} [I + g1 S1 + g2 S2 + i (q1 S1 + q2 S2)],  S1 = diag(1, -1), S2 = offdiag(1, 1).
+///
+/// Drive and pick-off have a share in each; what acts on the loops is the product.
+struct DrivePath {
+  double phase = 0.0;        ///< delay of both axes [rad]
+  double gain1 = 0.0;        ///< half the relative gain difference of x and y
+  double gain2 = 0.0;        ///< cross gain
+  double quadrature1 = 0.0;  ///< half the phase by which x leads y [rad]
+  double quadrature2 = 0.0;  ///< cross phase [rad]
+
+  Eigen::Matrix2cd matrix() const;
+};
+
+/// What a calibration found and the loops correct, each part on its own switch.
+///
+/// In the order in which a signal meets them: the cubic of the pick-off is undone on the envelope;
+/// the loops see the corrected orbit; steering cancels the drift that depends on the angle alone;
+/// velocity feedback cancels the damping mismatch (35); the drive is turned by the inverse of its
+/// path; the angle map makes the output angle from theta. docs/calibration.md says why in this
+/// order.
+struct Calibration {
+  bool correct_pickoff = true;
+  bool correct_phase = true;        ///< DrivePath::phase
+  bool correct_drive_gains = true;  ///< DrivePath::gain1, gain2
+  bool correct_quadrature = true;   ///< DrivePath::quadrature1, quadrature2
+  bool cancel_damping = true;
+  bool cancel_drift = true;
+  bool map_angle = true;
+
+  double pickoff_cubic = 0.0;  ///< a displacement x reads x (1 + cubic x^2) [1/V^2]
+  DrivePath drive_path;
+  double gamma1 = 0.0;       ///< damping mismatch to be cancelled
+  double gamma2 = 0.0;       ///< the same across the axes
+  AngleHarmonics drift;      ///< rate of the pattern at a case at rest [rad/s]
+  AngleHarmonics angle_map;  ///< output angle less theta [rad]
+
+  /// Envelope [V] of the motion itself from a measured one: X in X (1 + 3/4 cubic |X|^2), per axis.
+  Eigen::Vector2cd undistorted(const Eigen::Vector2cd& measured) const;
+  /// Inverse of the switched-on parts of the drive path.
+  Eigen::Matrix2cd driveCorrection() const;
+  /// Rate of steering that cancels the drift at this pattern angle [rad/s].
+  double driftAt(double theta) const { return cancel_drift ? drift.at(theta) : 0.0; }
+  /// Pattern angle without the errors of the pick-off [rad].
+  double outputAngle(double theta) const { return map_angle ? theta + angle_map.at(theta) : theta; }
+  /// Its derivative with respect to theta.
+  double outputSlope(double theta) const {
+    return map_angle ? 1.0 + angle_map.slopeAt(theta) : 1.0;
+  }
+
+  void declare(ParameterTable& table);
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "ring_gyro/control/calibration.h"
+
+namespace ring_gyro {
+
+/// What a calibration run sets in the loops while they run.
+struct LoopSettings {
+  double virtual_rate = 0.0;                    ///< steering, as a rotation k Om of this [rad/s]
+  double table_rate = 0.0;                      ///< of the rate table [rad/s]
+  double amplitude_modulation = 0.0;            ///< of the setpoint of a, relative
+  double amplitude_modulation_frequency = 0.5;  ///< [Hz]
+  Calibration calibration;
+};
+
+}  // namespace ring_gyro

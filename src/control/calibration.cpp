@@ -1,0 +1,78 @@
+#include "ring_gyro/control/calibration.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <complex>
+
+namespace ring_gyro {
+
+using Complex = std::complex<double>;
+
+Eigen::Matrix2cd DrivePath::matrix() const {
+  const Complex along(gain1, quadrature1);
+  const Complex across(gain2, quadrature2);
+  Eigen::Matrix2cd path;
+  path << 1.0 + along, across, across, 1.0 - along;
+  return std::polar(1.0, -phase) * path;
+}
+
+Eigen::Vector2cd Calibration::undistorted(const Eigen::Vector2cd& measured) const {
+  if (!correct_pickoff || pickoff_cubic == 0.0) return measured;
+  // Each turn takes the error down by 3/4 |cubic| |X|^2, which is a few percent at the most.
+  constexpr int kTurns = 10;
+  Eigen::Vector2cd envelope = measured;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    for (int axis = 0; axis < 2; ++axis) {
+      envelope[axis] = measured[axis] / (1.0 + 0.75 * pickoff_cubic * std::norm(envelope[axis]));
+    }
+  }
+  return envelope;
+}
+
+Eigen::Matrix2cd Calibration::driveCorrection() const {
+  DrivePath path = drive_path;
+  if (!correct_phase) path.phase = 0.0;
+  if (!correct_drive_gains) path.gain1 = path.gain2 = 0.0;
+  if (!correct_quadrature) path.quadrature1 = path.quadrature2 = 0.0;
+  return path.matrix().inverse();
+}
+
+void Calibration::declare(ParameterTable& table) {
+  table.flag("correct_pickoff", correct_pickoff, "undo the cubic of the pick-off")
+      .flag("correct_phase", correct_phase, "advance the drive by drive_phase")
+      .flag("correct_drive_gains", correct_drive_gains,
+            "turn the drive by the inverse of drive_gain_1 and drive_gain_2")
+      .flag("correct_quadrature", correct_quadrature,
+            "turn the drive by the inverse of drive_quadrature_1 and drive_quadrature_2")
+      .flag("cancel_damping", cancel_damping, "velocity feedback against gamma1 and gamma2")
+      .flag("cancel_drift", cancel_drift, "steer against the drift that depends on the angle")
+      .flag("map_angle", map_angle, "apply the angle map to the output angle")
+      .number("pickoff_cubic", pickoff_cubic, "1/V^2", Range::between(-0.3, 0.3),
+              "a displacement x reads x (1 + pickoff_cubic x^2)")
+      .number("drive_phase", drive_path.phase, "rad", Range::between(-1.5, 1.5),
+              "delay of the path from drive to measured motion, both axes")
+      .number("drive_gain_1", drive_path.gain1, "1", Range::between(-0.5, 0.5),
+              "half the relative gain difference of x and y in that path")
+      .number("drive_gain_2", drive_path.gain2, "1", Range::between(-0.5, 0.5),
+              "cross gain in that path")
+      .number("drive_quadrature_1", drive_path.quadrature1, "rad", Range::between(-0.5, 0.5),
+              "half the phase by which x leads y in that path")
+      .number("drive_quadrature_2", drive_path.quadrature2, "rad", Range::between(-0.5, 0.5),
+              "cross phase in that path")
+      .number("gamma1", gamma1, "1", Range::between(-0.5, 0.5),
+              "damping mismatch along the axes that is cancelled from the start")
+      .number("gamma2", gamma2, "1", Range::between(-0.5, 0.5),
+              "damping mismatch across the axes that is cancelled from the start")
+      .number("drift_constant", drift.constant, "rad/s", Range::between(-10.0, 10.0),
+              "drift of the pattern that does not depend on the angle")
+      .numbers("drift_cosine", drift.cosine, "rad/s", Range::between(-10.0, 10.0),
+               "drift of the pattern with cos(n theta), n = 1, 2, ...")
+      .numbers("drift_sine", drift.sine, "rad/s", Range::between(-10.0, 10.0),
+               "drift of the pattern with sin(n theta), n = 1, 2, ...")
+      .numbers("angle_map_cosine", angle_map.cosine, "rad", Range::between(-0.5, 0.5),
+               "output angle less theta, with cos(n theta), n = 1, 2, ...")
+      .numbers("angle_map_sine", angle_map.sine, "rad", Range::between(-0.5, 0.5),
+               "output angle less theta, with sin(n theta), n = 1, 2, ...");
+}
+
+}  // namespace ring_gyro
