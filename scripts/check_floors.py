@@ -12,7 +12,7 @@ from pathlib import Path
 
 FLOORS = [
     "common", "resonator", "demodulation", "control", "identification", "compensation", "analysis",
-    "simulation", "configuration", "logs", "ros", "nodes", "tools",
+    "calibration", "simulation", "configuration", "logs", "ros", "nodes", "tools",
 ]
 LEVEL = {name: level for level, name in enumerate(FLOORS)}
 LEVEL["tools"] = LEVEL["nodes"]

@@ -16,6 +16,13 @@ Eigen::Matrix2cd DrivePath::matrix() const {
   return std::polar(1.0, -phase) * path;
 }
 
+DrivePath DrivePath::of(const Eigen::Matrix2cd& matrix) {
+  const Complex common = 0.5 * matrix.trace();
+  const Complex along = 0.5 * (matrix(0, 0) - matrix(1, 1)) / common;
+  const Complex across = 0.5 * (matrix(0, 1) + matrix(1, 0)) / common;
+  return {-std::arg(common), along.real(), across.real(), along.imag(), across.imag()};
+}
+
 Eigen::Vector2cd Calibration::undistorted(const Eigen::Vector2cd& measured) const {
   if (!correct_pickoff || pickoff_cubic == 0.0) return measured;
   // Each turn takes the error down by 3/4 |cubic| |X|^2, which is a few percent at the most.

@@ -70,6 +70,7 @@ Sections LoopConfiguration::sections() {
   result.push_back(section("calibration", calibration));
   result.push_back(section("identification", identification));
   result.push_back(section("compensation", compensation));
+  result.push_back(section("calibration_run", calibration_run));
   return result;
 }
 
@@ -81,6 +82,9 @@ void LoopConfiguration::shareDevice() {
   identification.quality_factor = device.quality_factor;
   compensation.natural_frequency = device.natural_frequency;
   compensation.quality_factor = device.quality_factor;
+  calibration_run.natural_frequency = device.natural_frequency;
+  calibration_run.quality_factor = device.quality_factor;
+  calibration_run.drive_gain = device.drive_gain;
 }
 
 std::uint64_t LoopConfiguration::periodBlocks() const {

@@ -20,6 +20,8 @@ struct DrivePath {
   double quadrature2 = 0.0;  ///< cross phase [rad]
 
   Eigen::Matrix2cd matrix() const;
+  /// The path whose matrix is nearest to a multiple of `matrix`.
+  static DrivePath of(const Eigen::Matrix2cd& matrix);
 };
 
 /// What a calibration found and the loops correct, each part on its own switch.

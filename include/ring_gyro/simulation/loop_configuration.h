@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "ring_gyro/calibration/calibration_parameters.h"
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/compensation/compensation_injector.h"
@@ -50,10 +51,11 @@ struct LoopConfiguration {
   Calibration calibration;
   IdentificationParameters identification;
   InjectorParameters compensation;
+  CalibrationRunParameters calibration_run;
 
   /// The sections in the order of the file: run, converter, device, resonator, sense, drive,
-  /// rotation, demodulation, control, calibration, identification, compensation. The tables point into this
-  /// object.
+  /// rotation, demodulation, control, calibration, identification, compensation, calibration_run.
+  /// The tables point into this object.
   Sections sections();
 
   /// Hands `device` on to control, identification and compensation, whose tables leave it out so

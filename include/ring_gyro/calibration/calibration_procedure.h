@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/analysis/rate_harmonics.h"
+#include "ring_gyro/calibration/calibration_parameters.h"
+#include "ring_gyro/calibration/calibration_result.h"
+#include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/control/control_gains.h"
+#include "ring_gyro/control/loop_settings.h"
+#include "ring_gyro/identification/extended_identifier.h"
+
+namespace ring_gyro {
+
+/// What a calibration run asks of the loops, and how far it is.
+struct CalibrationCommand {
+  std::uint32_t session = 0;
+  std::uint64_t effective_sequence = 0;  ///< first block whose drive it applies to
+  LoopSettings settings;
+  std::string leg;         ///< what is being done, for people
+  double time_left = 0.0;  ///< as planned now [s]
+  bool finished = false;   ///< the result is complete
+  std::string failure;     ///< why the run cannot go on; empty: it can
+};
+
+/// The experiment that calibrates a gyroscope, by itself: blocks in, settings of the loops out.
+///
+/// Stage one, steering (a virtual rate): survey the drift and choose the rate; identify ring and
+/// drive path with the amplitude modulated, at both signs of the rate, correct, identify again;
+/// measure the drift against the angle at both signs, cancel its even part by steering, and again.
+/// Stage two, on a rate table: measure the angle map at both signs of a true rotation. Then judge
+/// the result at rates of which none was tuned at. Without a table the map of a linear pick-off
+/// error stays unknown and none is applied (docs/calibration.md).
+///
+/// One command each period, in force a period after the data that it came from, so that scheduling
+/// cannot change a run.
+class CalibrationProcedure {
+ public:
+  /// `initial`: corrections that are in force already. `period_blocks`: blocks between commands.
+  /// Throws std::invalid_argument naming what cannot be used.
+  CalibrationProcedure(const CalibrationRunParameters& parameters,
+                       const ExtendedParameters& identification,
+                       const ConverterParameters& converter, std::int64_t period_blocks,
+                       const Calibration& initial);
+
+  /// The next block; a command at each period's end.
+  std::optional<CalibrationCommand> process(const OrbitalElements& elements,
+                                            const ControlGains& gains);
+
+  /// Complete once a command said finished.
+  const CalibrationResult& result() const { return result_; }
+
+ private:
+  enum class Stage {
+    kSurvey,
+    kIdentification,
+    kDrift,
+    kTable,
+    kVerification,
+    kToWorstAngle,
+    kThreshold
+  };
+  struct Leg {
+    Stage stage = Stage::kSurvey;
+    std::string name;
+    double virtual_rate = 0.0;
+    double table_rate = 0.0;
+    double settling = 0.0;  // [s]
+    double duration = 0.0;  // after the settling [s]
+    bool second_of_pair = false;
+  };
+
+  void plan(double steering_rate);
+  void planPair(Stage stage, const std::string& name, double virtual_rate, double table_rate,
+                double duration);
+  void record(const OrbitalElements& elements, const ControlGains& gains);
+  bool legOver() const;
+  void finishLeg();
+  void finishSurvey();
+  void finishIdentification();
+  void finishDriftRound(const RateHarmonics& forward, const RateHarmonics& backward);
+  void finishTable(const RateHarmonics& forward, const RateHarmonics& backward);
+  void finishVerification(const RateHarmonics& forward, const RateHarmonics& backward);
+  void aimAtWorstAngle();
+  void finishThreshold();
+  Calibration calibrationForDevice() const;
+  LoopSettings settings() const;
+  double timeLeft() const;
+
+  CalibrationRunParameters parameters_;
+  ExtendedParameters identification_;
+  ConverterParameters converter_;
+  std::uint64_t period_blocks_;
+  std::optional<ExtendedIdentifier> identifier_;
+  std::optional<ExtendedEstimate> estimate_;
+
+  std::deque<Leg> legs_;             // the front is under way
+  std::uint64_t leg_begin_ = 0;      // block from which its settings are in force
+  double settled_time_ = 0.0;        // usable time since then [s]
+  double unusable_time_ = 0.0;       // since the last usable block [s]
+  std::vector<AngleSample> theta_;   // pattern angle in the leg, settled
+  std::vector<AngleSample> output_;  // output angle in the leg, settled
+  bool passed_worst_angle_ = false;
+  std::optional<RateHarmonics> forward_;  // of the first leg of a pair
+  std::optional<RateHarmonics> forward_output_;
+  Calibration calibration_;  // in force, with the gains that the loops were told
+  std::string failure_;
+  bool finished_ = false;
+  CalibrationResult result_;
+};
+
+}  // namespace ring_gyro

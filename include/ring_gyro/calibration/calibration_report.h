@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "ring_gyro/calibration/calibration_result.h"
+
+namespace ring_gyro {
+
+/// The result as tables for people, degrees and seconds.
+std::string calibrationText(const CalibrationResult& result);
+
+}  // namespace ring_gyro

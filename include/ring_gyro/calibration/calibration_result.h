@@ -1,0 +1,65 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/common/angle_harmonics.h"
+#include "ring_gyro/control/calibration.h"
+
+namespace ring_gyro {
+
+/// A parameter of the device as the extended identifier found it.
+struct IdentifiedParameter {
+  std::string name;
+  double value = 0.0;
+  double sigma = 0.0;
+};
+
+/// Drift against angle, measured by steering one way and the other.
+struct DriftRound {
+  AngleHarmonics measured;    ///< what the corrections in force left [rad/s]
+  double peak_to_peak = 0.0;  ///< of `measured` [rad/s]
+  double sigma = 0.0;         ///< of a coefficient of `measured`, from turn to turn [rad/s]
+};
+
+/// The calibrated gyroscope at one rate and its opposite.
+struct Verification {
+  double rate = 0.0;           ///< of the case, or of steering without a rate table [rad/s]
+  double forward_peak = 0.0;   ///< harmonics of the output rate, peak to peak [rad/s]
+  double backward_peak = 0.0;  ///< the same at the opposite rate [rad/s]
+  double forward_scale = 0.0;  ///< mean output rate over the commanded one, less one
+  double backward_scale = 0.0;
+  AngleHarmonics drift;             ///< even part [rad/s]
+  double drift_peak_to_peak = 0.0;  ///< [rad/s]
+};
+
+/// Whether the angle follows twice the rate threshold from the angle that is worst for it.
+struct ThresholdTest {
+  double threshold = 0.0;    ///< largest |drift|, the constant included [rad/s]
+  double worst_angle = 0.0;  ///< [rad]
+  double rate = 0.0;    ///< of the case in the test, twice the threshold against the drift [rad/s]
+  double turned = 0.0;  ///< of the output angle [rad]
+  double expected = 0.0;  ///< of a gyroscope without drift [rad]
+  /// It turned the right way, by half of what was expected at least.
+  bool followed() const { return turned * expected > 0.0 && turned / expected >= 0.5; }
+};
+
+/// Everything that a calibration run found.
+struct CalibrationResult {
+  Calibration calibration;                      ///< with the gains of `device`
+  double natural_frequency = 0.0;               ///< identified [Hz]
+  double quality_factor = 0.0;                  ///< identified
+  double drive_gain = 0.0;                      ///< identified ks [1/s^2]
+  double angular_gain = 1.0;                    ///< k from the rate table, 1 without one
+  double steering_rate = 0.0;                   ///< that was chosen [rad/s]
+  std::vector<IdentifiedParameter> parameters;  ///< of the last identification
+  std::vector<DriftRound> drift_rounds;
+  bool angle_map_measured = false;
+  AngleHarmonics table_drift;  ///< even part while the map was measured [rad/s]
+  std::vector<Verification> verifications;
+  std::optional<ThresholdTest> threshold;
+  double duration = 0.0;  ///< of the run [s]
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "ring_gyro/calibration/calibration_procedure.h"
+#include "ring_gyro/control/control_loops.h"
+#include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/simulation/loop_configuration.h"
+
+namespace ring_gyro {
+
+/// A calibration run in one process: plant, loops and procedure, called in the order in which the
+/// lockstep graph exchanges its messages, so that the results are the same.
+class CalibrationRun {
+ public:
+  /// `configuration.calibration` is in force from the start. Throws std::invalid_argument.
+  explicit CalibrationRun(const LoopConfiguration& configuration);
+
+  struct Step {
+    const PlantTruth& truth;
+    const LoopOutput& loops;
+    const std::optional<CalibrationCommand>& command;
+  };
+  /// One block. What it refers to is good until the next call.
+  Step step();
+
+  const CalibrationResult& result() const { return procedure_.result(); }
+  double time() const;  ///< since the start [s]
+
+ private:
+  PlantSimulator plant_;
+  ControlLoops loops_;
+  CalibrationProcedure procedure_;
+  std::int64_t start_ns_;
+  bool started_ = false;
+  std::deque<CalibrationCommand> pending_;
+  PlantTruth truth_;
+  const LoopOutput* output_ = nullptr;
+  std::optional<CalibrationCommand> command_;
+};
+
+}  // namespace ring_gyro

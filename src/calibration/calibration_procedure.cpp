@@ -1,0 +1,395 @@
+#include "ring_gyro/calibration/calibration_procedure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "ring_gyro/calibration/rate_parity.h"
+#include "ring_gyro/common/angle.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr double kLeastSettling = 2.0;     // [s]
+constexpr double kTurnsOfALeg = 2.2;       // two whole turns, to tell turns from each other
+constexpr double kLongestUnusable = 20.0;  // without a usable block [s]
+constexpr double kApproachRate = 0.1;      // of steering to the worst angle [rad/s]
+constexpr double kLongestWindow = 0.1;     // of the rate fits [s]
+constexpr double kWindowsOfATurn = 64.0;   // at least
+
+double duration(const ConverterParameters& converter, double time) {
+  const double block = converter.blockDuration();
+  return std::ceil(time / block) * block;
+}
+
+std::string degreesPerSecond(double rate) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%+.4g deg/s", toDegrees(rate));
+  return text;
+}
+
+/// Window of the fit [s]: short against a turn, of two samples at least.
+double windowFor(const std::vector<AngleSample>& samples, double period) {
+  const double travel = std::abs(samples.back().theta - samples.front().theta);
+  const double time = samples.back().time - samples.front().time;
+  const double of_turn = kTwoPi * time / std::max(travel, 1e-9) / kWindowsOfATurn;
+  return std::max(2.0 * period, std::min(kLongestWindow, of_turn));
+}
+
+RateHarmonics fit(const std::vector<AngleSample>& samples, double period) {
+  return fitRateHarmonics(samples, windowFor(samples, period));
+}
+
+/// Of a coefficient, from what the halves of a leg differ by [rad/s].
+double coefficientSigma(const std::vector<AngleSample>& samples, double period) {
+  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+  const RateHarmonics first = fit({samples.begin(), middle}, period);
+  const RateHarmonics second = fit({middle, samples.end()}, period);
+  double squares = 0.0;
+  for (int i = 0; i < RateHarmonics::kCount; ++i) {
+    squares += std::pow(first.cosine[i] - second.cosine[i], 2) +
+               std::pow(first.sine[i] - second.sine[i], 2);
+  }
+  return 0.5 * std::sqrt(squares / (2 * RateHarmonics::kCount));
+}
+
+void keepOrders(AngleHarmonics& function, std::int64_t orders) {
+  function.cosine.resize(static_cast<std::size_t>(orders), 0.0);
+  function.sine.resize(static_cast<std::size_t>(orders), 0.0);
+}
+
+AngleHarmonics scaled(AngleHarmonics function, double factor) {
+  function.constant *= factor;
+  for (double& value : function.cosine) value *= factor;
+  for (double& value : function.sine) value *= factor;
+  return function;
+}
+
+}  // namespace
+
+CalibrationProcedure::CalibrationProcedure(const CalibrationRunParameters& parameters,
+                                           const ExtendedParameters& identification,
+                                           const ConverterParameters& converter,
+                                           std::int64_t period_blocks, const Calibration& initial)
+    : parameters_(parameters),
+      identification_(identification),
+      converter_(converter),
+      period_blocks_(static_cast<std::uint64_t>(period_blocks)),
+      calibration_(initial) {
+  if (!(parameters.decayRate() > 0.0) || !(parameters.drive_gain > 0.0) || period_blocks <= 0) {
+    throw std::invalid_argument(
+        "calibration: natural_frequency, quality_factor and drive_gain must be above zero, the "
+        "period at least one block");
+  }
+  const double rate =
+      parameters.survey_rate > 0.0 ? parameters.survey_rate : 0.3 * parameters.decayRate();
+  plan(rate);
+  Leg survey;
+  survey.stage = Stage::kSurvey;
+  survey.name = "survey at " + degreesPerSecond(rate);
+  survey.virtual_rate = rate;
+  survey.settling = legs_.front().settling;
+  survey.duration = std::max(1.5 * kTwoPi / rate, 10.0 / parameters.decayRate());
+  legs_.push_front(survey);
+}
+
+void CalibrationProcedure::plan(double rate) {
+  legs_.clear();
+  result_.steering_rate = rate;
+  for (std::int64_t round = 1; round <= parameters_.identification_rounds; ++round) {
+    planPair(Stage::kIdentification, "identification " + std::to_string(round), rate, 0.0,
+             parameters_.identification_time);
+  }
+  for (std::int64_t round = 1; round <= parameters_.drift_rounds; ++round) {
+    planPair(
+        Stage::kDrift, "drift " + std::to_string(round), rate, 0.0,
+        round < parameters_.drift_rounds ? parameters_.drift_time : parameters_.last_drift_time);
+  }
+  if (parameters_.rate_table) {
+    planPair(Stage::kTable, "angle map", 0.0, parameters_.table_rate, parameters_.table_time);
+  }
+  for (const double verified : parameters_.verification_rates) {
+    planPair(Stage::kVerification, "verification", parameters_.rate_table ? 0.0 : verified,
+             parameters_.rate_table ? verified : 0.0, parameters_.verification_time);
+  }
+  if (parameters_.rate_table && !parameters_.verification_rates.empty()) {
+    Leg approach;
+    approach.stage = Stage::kToWorstAngle;
+    approach.name = "steering to the worst angle";
+    approach.virtual_rate = kApproachRate;
+    approach.duration = 1.1 * kTwoPi / kApproachRate;
+    legs_.push_back(approach);
+    Leg threshold;
+    threshold.stage = Stage::kThreshold;
+    threshold.name = "twice the rate threshold";
+    threshold.settling = kLeastSettling;
+    threshold.duration = parameters_.threshold_time;
+    legs_.push_back(threshold);
+  }
+}
+
+void CalibrationProcedure::planPair(Stage stage, const std::string& name, double virtual_rate,
+                                    double table_rate, double asked) {
+  const double rate = std::max(std::abs(virtual_rate), std::abs(table_rate));
+  for (const double sign : {1.0, -1.0}) {
+    Leg leg;
+    leg.stage = stage;
+    leg.name = name + " at " + degreesPerSecond(sign * rate);
+    leg.virtual_rate = sign * virtual_rate;
+    leg.table_rate = sign * table_rate;
+    leg.settling = std::max(kLeastSettling, parameters_.settling_decays / parameters_.decayRate());
+    leg.duration =
+        duration(converter_,
+                 std::max({asked, kTurnsOfALeg * kTwoPi / rate, 10.0 / parameters_.decayRate()}));
+    leg.second_of_pair = sign < 0.0;
+    legs_.push_back(leg);
+  }
+}
+
+std::optional<CalibrationCommand> CalibrationProcedure::process(const OrbitalElements& elements,
+                                                                const ControlGains& gains) {
+  const BlockStamp& stamp = elements.stamp;
+  const bool running = !finished_ && failure_.empty();
+  if (running && stamp.sequence >= leg_begin_) record(elements, gains);
+  if ((stamp.sequence + 1) % period_blocks_ != 0) return std::nullopt;
+
+  const std::uint64_t effective = stamp.sequence + 1 + period_blocks_;
+  if (running && stamp.sequence >= leg_begin_ && legOver()) {
+    try {
+      finishLeg();
+    } catch (const std::exception& error) {
+      failure_ = legs_.front().name + ": " + error.what();
+    }
+    if (failure_.empty()) {
+      legs_.pop_front();
+      finished_ = legs_.empty();
+      leg_begin_ = effective;
+      settled_time_ = unusable_time_ = 0.0;
+      passed_worst_angle_ = false;
+      theta_.clear();
+      output_.clear();
+    }
+  }
+  CalibrationCommand command;
+  command.session = stamp.session;
+  command.effective_sequence = effective;
+  command.settings = settings();
+  command.leg = finished_ ? "finished" : legs_.front().name;
+  command.time_left = timeLeft();
+  command.finished = finished_;
+  command.failure = failure_;
+  if (finished_) result_.calibration = calibrationForDevice();
+  return command;
+}
+
+void CalibrationProcedure::record(const OrbitalElements& elements, const ControlGains& gains) {
+  const Leg& leg = legs_.front();
+  const double block = elements.stamp.duration();
+  result_.duration += block;
+  const bool usable = elements.status.usable() && gains.status.usable();
+  unusable_time_ = usable ? 0.0 : unusable_time_ + block;
+  if (unusable_time_ > kLongestUnusable) {
+    failure_ = leg.name + ": the loops have not been locked and unsaturated for " +
+               std::to_string(kLongestUnusable) +
+               " s; see the status of orbital_elements, lower the rates or raise drive_limit";
+    return;
+  }
+  if (usable) settled_time_ += block;
+  if (settled_time_ <= leg.settling) return;
+
+  const double time = elements.stamp.end() - elements.group_delay;
+  if (leg.stage == Stage::kSurvey || leg.stage == Stage::kIdentification) {
+    if (!identifier_) identifier_.emplace(identification_, converter_);
+    if (std::optional<ExtendedEstimate> estimate = identifier_->process(elements, gains, 0.0)) {
+      estimate_ = std::move(estimate);
+    }
+  }
+  if (!usable) return;
+  if (leg.stage == Stage::kToWorstAngle && !theta_.empty() && result_.threshold) {
+    const double before = wrapToPi(theta_.back().theta - result_.threshold->worst_angle);
+    const double now = wrapToPi(elements.orbit.theta - result_.threshold->worst_angle);
+    passed_worst_angle_ |= before * now <= 0.0 && std::abs(before - now) < 1.0;
+  }
+  theta_.push_back({time, elements.orbit.theta});
+  output_.push_back({time, elements.angle});
+}
+
+bool CalibrationProcedure::legOver() const {
+  const Leg& leg = legs_.front();
+  return passed_worst_angle_ || settled_time_ >= leg.settling + leg.duration;
+}
+
+void CalibrationProcedure::finishLeg() {
+  const Leg& leg = legs_.front();
+  if (leg.stage == Stage::kSurvey) return finishSurvey();
+  if (leg.stage == Stage::kThreshold) return finishThreshold();
+  if (leg.stage == Stage::kIdentification) {
+    if (leg.second_of_pair) finishIdentification();
+    return;
+  }
+  if (leg.stage == Stage::kToWorstAngle) {
+    if (!passed_worst_angle_) throw std::runtime_error("the pattern does not follow the steering");
+    return;
+  }
+  const double period = converter_.blockDuration();
+  const bool judged = leg.stage == Stage::kVerification;
+  const RateHarmonics now = fit(judged ? output_ : theta_, period);
+  if (!leg.second_of_pair) {
+    forward_ = now;
+    return;
+  }
+  if (leg.stage == Stage::kDrift) finishDriftRound(*forward_, now);
+  if (leg.stage == Stage::kTable) finishTable(*forward_, now);
+  if (leg.stage == Stage::kVerification) finishVerification(*forward_, now);
+}
+
+void CalibrationProcedure::finishSurvey() {
+  const double travel = std::abs(theta_.back().theta - theta_.front().theta);
+  if (!estimate_ || travel < kPi) {
+    throw std::runtime_error("the pattern turned by " + std::to_string(toDegrees(travel)) +
+                             " deg only; raise calibration_run/survey_rate above the drift");
+  }
+  const double gamma = std::hypot(estimate_->of("gamma1"), estimate_->of("gamma2"));
+  const double decay = kPi * estimate_->of("natural_frequency") / estimate_->of("quality_factor");
+  const double rate = std::max(parameters_.least_rate, parameters_.rate_margin * decay * gamma);
+  const Leg survey = legs_.front();
+  plan(rate);
+  legs_.push_front(survey);  // leaves with the leg that ends now
+  identifier_.reset();
+  estimate_.reset();
+}
+
+void CalibrationProcedure::finishIdentification() {
+  if (!estimate_) throw std::runtime_error("no block could be used for identification");
+  const auto value = [this](const char* name) { return estimate_->of(name); };
+  result_.natural_frequency = value("natural_frequency");
+  result_.quality_factor = value("quality_factor");
+  result_.drive_gain = value("drive_gain");
+  result_.parameters = estimate_->parameters();
+
+  DrivePath residual;
+  residual.phase = value("drive_phase");
+  residual.gain1 = value("drive_gain_1");
+  residual.gain2 = value("drive_gain_2");
+  residual.quadrature1 = value("drive_quadrature_1");
+  residual.quadrature2 = value("drive_quadrature_2");
+  // What was identified is what the correction in force leaves.
+  calibration_.drive_path =
+      DrivePath::of(residual.matrix() * calibration_.driveCorrection().inverse());
+  calibration_.pickoff_cubic += value("pickoff_cubic");
+  const double told = parameters_.decayRate() / parameters_.drive_gain;
+  const double found =
+      kPi * result_.natural_frequency / result_.quality_factor / result_.drive_gain;
+  calibration_.gamma1 = value("gamma1") * found / told;
+  calibration_.gamma2 = value("gamma2") * found / told;
+  identifier_.reset();
+  estimate_.reset();
+}
+
+void CalibrationProcedure::finishDriftRound(const RateHarmonics& forward,
+                                            const RateHarmonics& backward) {
+  DriftRound round;
+  round.measured = evenPart(forward, backward);
+  keepOrders(round.measured, parameters_.harmonics);
+  round.peak_to_peak = peakToPeak(round.measured);
+  round.sigma = coefficientSigma(theta_, converter_.blockDuration()) / std::sqrt(2.0);
+  calibration_.drift += round.measured;
+  result_.drift_rounds.push_back(std::move(round));
+}
+
+void CalibrationProcedure::finishTable(const RateHarmonics& forward,
+                                       const RateHarmonics& backward) {
+  const AngleHarmonics odd = oddPart(forward, backward);
+  calibration_.angle_map = angleMapOf(odd, static_cast<int>(parameters_.harmonics));
+  result_.angle_map_measured = true;
+  result_.angular_gain = angularGainOf(odd, parameters_.table_rate);
+  result_.table_drift = evenPart(forward, backward);
+}
+
+void CalibrationProcedure::finishVerification(const RateHarmonics& forward,
+                                              const RateHarmonics& backward) {
+  const Leg& leg = legs_.front();
+  Verification verification;
+  verification.rate = std::abs(parameters_.rate_table ? leg.table_rate : leg.virtual_rate);
+  verification.forward_peak = forward.peak_to_peak;
+  verification.backward_peak = backward.peak_to_peak;
+  const double output_gain = parameters_.rate_table ? result_.angular_gain : 1.0;
+  verification.forward_scale = -forward.mean_rate / (output_gain * verification.rate) - 1.0;
+  verification.backward_scale = backward.mean_rate / (output_gain * verification.rate) - 1.0;
+  verification.drift = evenPart(forward, backward);
+  verification.drift_peak_to_peak = peakToPeak(verification.drift);
+  result_.verifications.push_back(std::move(verification));
+  const auto next = legs_.begin() + 1;
+  if (next != legs_.end() && next->stage == Stage::kToWorstAngle) aimAtWorstAngle();
+}
+
+/// From the mean of all verifications, whose noise is the smallest.
+void CalibrationProcedure::aimAtWorstAngle() {
+  AngleHarmonics drift;
+  for (const Verification& verification : result_.verifications) drift += verification.drift;
+  drift = scaled(drift, 1.0 / static_cast<double>(result_.verifications.size()));
+  const Extreme worst = largestMagnitude(drift);
+  ThresholdTest test;
+  test.threshold = std::abs(worst.value);
+  test.worst_angle = worst.theta;
+  // theta' = -k rate + drift: turn against the drift.
+  test.rate = 2.0 * worst.value / result_.angular_gain;
+  result_.threshold = test;
+  legs_.back().table_rate = test.rate;
+}
+
+void CalibrationProcedure::finishThreshold() {
+  ThresholdTest& test = *result_.threshold;
+  // Half a second at each end: the noise of a single sample is of no interest.
+  const auto part = static_cast<std::size_t>(0.5 / converter_.blockDuration());
+  if (output_.size() < 4 * part) throw std::runtime_error("threshold_time is too short");
+  const auto meanOf = [](auto begin, auto end) {
+    AngleSample mean;
+    for (auto it = begin; it != end; ++it) {
+      mean.time += it->time;
+      mean.theta += it->theta;
+    }
+    const double count = static_cast<double>(end - begin);
+    return AngleSample{mean.time / count, mean.theta / count};
+  };
+  const auto length = static_cast<std::ptrdiff_t>(part);
+  const AngleSample begin = meanOf(output_.begin(), output_.begin() + length);
+  const AngleSample end = meanOf(output_.end() - length, output_.end());
+  test.turned = end.theta - begin.theta;
+  test.expected = -result_.angular_gain * test.rate * (end.time - begin.time);
+}
+
+/// With the gains of the device as identified, in place of those that the loops were told.
+Calibration CalibrationProcedure::calibrationForDevice() const {
+  Calibration calibration = calibration_;
+  const double told = parameters_.decayRate() / parameters_.drive_gain;
+  const double found =
+      kPi * result_.natural_frequency / result_.quality_factor / result_.drive_gain;
+  calibration.gamma1 *= told / found;
+  calibration.gamma2 *= told / found;
+  calibration.drift = scaled(calibration.drift, result_.drive_gain / parameters_.drive_gain);
+  return calibration;
+}
+
+LoopSettings CalibrationProcedure::settings() const {
+  LoopSettings settings;
+  settings.calibration = calibration_;
+  if (finished_ || !failure_.empty()) return settings;
+  const Leg& leg = legs_.front();
+  settings.virtual_rate = leg.virtual_rate;
+  settings.table_rate = leg.table_rate;
+  if (leg.stage == Stage::kIdentification) {
+    settings.amplitude_modulation = parameters_.amplitude_modulation;
+    settings.amplitude_modulation_frequency = parameters_.amplitude_modulation_frequency;
+  }
+  return settings;
+}
+
+double CalibrationProcedure::timeLeft() const {
+  double time = 0.0;
+  for (const Leg& leg : legs_) time += leg.settling + leg.duration;
+  return std::max(0.0, time - settled_time_);
+}
+
+}  // namespace ring_gyro

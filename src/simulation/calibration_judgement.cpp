@@ -1,0 +1,121 @@
+#include "ring_gyro/simulation/calibration_judgement.h"
+
+#include <Eigen/Core>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "ring_gyro/analysis/rate_harmonics.h"
+#include "ring_gyro/calibration/rate_parity.h"
+#include "ring_gyro/common/angle.h"
+#include "ring_gyro/simulation/closed_loop.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr double kLockTime = 30.0;  // allowed for ring-up and lock, in decay times and at least [s]
+
+struct Run {
+  std::vector<AngleSample> output;
+  std::vector<double> true_theta;  // at the times of `output` [rad]
+};
+
+Run turn(const LoopConfiguration& configuration, double time,
+         const std::function<void(double)>& progress) {
+  ClosedLoop loop(configuration);
+  const double decay =
+      kPi * configuration.device.natural_frequency / configuration.device.quality_factor;
+  const double settling = std::max(10.0, 10.0 / decay);
+  double settled = 0.0;
+  Run run;
+  AngleUnwrapper unwrapper;
+  double before = 0.0;
+  while (settled < settling + time) {
+    const LoopRecord now = loop.step();
+    const OrbitalElements& elements = now.loops.elements;
+    const double block = elements.stamp.duration();
+    const double truth = unwrapper.unwrap(orbitFromEnvelope(now.truth.envelope).theta);
+    const bool usable = elements.status.usable();
+    settled = usable ? settled + block : settled;
+    if (usable && settled > settling) {
+      // Elements are a group delay old; the truth is that of the end of the block.
+      const double back = elements.group_delay / block;
+      run.output.push_back({elements.stamp.end() - elements.group_delay, elements.angle});
+      run.true_theta.push_back(truth + back * (before - truth));
+    }
+    before = truth;
+    if (loop.time() > settled + std::max(kLockTime, kLockTime / decay)) {
+      throw std::runtime_error("judgement: the loops do not stay locked");
+    }
+    if (progress) progress(settled / (settling + time));
+  }
+  return run;
+}
+
+/// Largest slope of the harmonics in output - truth against the truth.
+double slopeError(const std::vector<const Run*>& runs) {
+  constexpr int kOrders = RateHarmonics::kCount;
+  constexpr int kTerms = 2 * kOrders;
+  // One unknown offset for each run: angles count from where they began.
+  const Eigen::Index unknowns = kTerms + static_cast<Eigen::Index>(runs.size());
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
+  Eigen::VectorXd row(unknowns);
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const Run& run = *runs[r];
+    for (std::size_t i = 0; i < run.output.size(); ++i) {
+      row.setZero();
+      for (int n = 1; n <= kOrders; ++n) {
+        row[n - 1] = std::cos(n * run.true_theta[i]);
+        row[kOrders + n - 1] = std::sin(n * run.true_theta[i]);
+      }
+      row[kTerms + static_cast<Eigen::Index>(r)] = 1.0;
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(row);
+      right += (run.output[i].theta - run.true_theta[i]) * row;
+    }
+  }
+  normal.triangularView<Eigen::StrictlyUpper>() = normal.transpose();
+  const Eigen::VectorXd solution = normal.colPivHouseholderQr().solve(right);
+  AngleHarmonics error;
+  for (int n = 0; n < kOrders; ++n) {
+    error.cosine.push_back(solution[n]);
+    error.sine.push_back(solution[kOrders + n]);
+  }
+  double largest = 0.0;
+  for (int i = 0; i < 1440; ++i) {
+    largest = std::max(largest, std::abs(error.slopeAt(kTwoPi * i / 1440)));
+  }
+  return largest;
+}
+
+}  // namespace
+
+CalibrationJudgement judgeCalibration(LoopConfiguration configuration, double rate, double time,
+                                      const std::function<void(double)>& progress) {
+  configuration.control.virtual_rate = 0.0;
+  configuration.plant.rotation = RotationParameters();
+  const auto part = [&](double done_before) -> std::function<void(double)> {
+    if (!progress) return {};
+    return [&progress, done_before](double done) { progress(done_before + 0.5 * done); };
+  };
+  configuration.plant.rotation.rate = rate;
+  const Run forward = turn(configuration, time, part(0.0));
+  configuration.plant.rotation.rate = -rate;
+  const Run backward = turn(configuration, time, part(0.5));
+
+  const RateHarmonics ahead = fitRateHarmonics(forward.output);
+  const RateHarmonics back = fitRateHarmonics(backward.output);
+  CalibrationJudgement judgement;
+  judgement.rate = rate;
+  judgement.forward_peak = ahead.peak_to_peak;
+  judgement.backward_peak = back.peak_to_peak;
+  judgement.drift = evenPart(ahead, back);
+  judgement.drift_peak_to_peak = peakToPeak(judgement.drift);
+  judgement.threshold = std::abs(largestMagnitude(judgement.drift).value);
+  judgement.slope_error = slopeError({&forward, &backward});
+  return judgement;
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,35 @@
+#include "ring_gyro/simulation/calibration_run.h"
+
+namespace ring_gyro {
+
+CalibrationRun::CalibrationRun(const LoopConfiguration& configuration)
+    : plant_(configuration.plant, configuration.converter,
+             static_cast<std::uint64_t>(configuration.run.seed),
+             configuration.run.sessionIdentifier(), configuration.run.startNanoseconds()),
+      loops_(configuration.control, configuration.demodulation, configuration.converter,
+             configuration.calibration),
+      procedure_(configuration.calibration_run, configuration.extended, configuration.converter,
+                 static_cast<std::int64_t>(configuration.periodBlocks()),
+                 configuration.calibration),
+      start_ns_(configuration.run.startNanoseconds()) {}
+
+CalibrationRun::Step CalibrationRun::step() {
+  const DisplacementBlock& block = started_ ? plant_.step(output_->command) : plant_.start();
+  started_ = true;
+  truth_ = plant_.truth();
+  const std::uint64_t acts_in = block.stamp.sequence + 1;
+  while (!pending_.empty() && pending_.front().effective_sequence <= acts_in) {
+    loops_.setSettings(pending_.front().settings);
+    pending_.pop_front();
+  }
+  output_ = &loops_.process(block);
+  command_ = procedure_.process(output_->elements, output_->gains);
+  if (command_) pending_.push_back(*command_);
+  return {truth_, *output_, command_};
+}
+
+double CalibrationRun::time() const {
+  return started_ ? 1e-9 * static_cast<double>(truth_.stamp.end_ns - start_ns_) : 0.0;
+}
+
+}  // namespace ring_gyro

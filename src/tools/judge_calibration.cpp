@@ -1,0 +1,107 @@
+// rosrun ring_gyro judge_calibration: what a calibration is worth, on a simulated rate table.
+
+#include <boost/program_options.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "configuration_options.h"
+#include "progress_bar.h"
+#include "ring_gyro/common/angle.h"
+#include "ring_gyro/simulation/calibration_judgement.h"
+
+namespace ring_gyro {
+namespace {
+
+namespace options = boost::program_options;
+
+struct Case {
+  std::string name;
+  LoopConfiguration configuration;
+};
+
+/// The calibration whole; then each of its parts switched off, then nothing of it.
+std::vector<Case> casesOf(const LoopConfiguration& whole, bool each_switch) {
+  std::vector<Case> cases = {{"calibrated", whole}};
+  if (!each_switch) return cases;
+  const std::pair<const char*, bool Calibration::*> switches[] = {
+      {"correct_pickoff", &Calibration::correct_pickoff},
+      {"correct_phase", &Calibration::correct_phase},
+      {"correct_drive_gains", &Calibration::correct_drive_gains},
+      {"correct_quadrature", &Calibration::correct_quadrature},
+      {"cancel_damping", &Calibration::cancel_damping},
+      {"cancel_drift", &Calibration::cancel_drift},
+      {"map_angle", &Calibration::map_angle}};
+  LoopConfiguration none = whole;
+  for (const auto& [name, member] : switches) {
+    LoopConfiguration without = whole;
+    without.calibration.*member = false;
+    none.calibration.*member = false;
+    cases.push_back({std::string("without ") + name, without});
+  }
+  cases.push_back({"without all of them", none});
+  return cases;
+}
+
+void judge(const LoopConfiguration& whole, double time, bool each_switch) {
+  std::printf("%-28s %13s %13s %13s %15s %17s %13s\n", "", "rate [deg/s]", "p-p + [deg/s]",
+              "p-p - [deg/s]", "drift p-p [deg/s]", "threshold [deg/s]", "slope [ppm]");
+  for (const Case& one : casesOf(whole, each_switch)) {
+    for (const double rate : whole.calibration_run.verification_rates) {
+      ProgressBar progress(1.0, "of " + one.name);
+      std::string failure;
+      CalibrationJudgement judged;
+      try {
+        judged = judgeCalibration(one.configuration, rate, time,
+                                  [&](double done) { progress.show(done); });
+      } catch (const std::exception& error) {
+        failure = error.what();  // slower than its own drift a gyroscope stands still
+      }
+      progress.clear();
+      if (!failure.empty()) {
+        std::printf("%-28s %13.4g %s\n", one.name.c_str(), toDegrees(rate), failure.c_str());
+        continue;
+      }
+      std::printf("%-28s %13.4g %13.6f %13.6f %15.6f %17.6f %13.2f\n", one.name.c_str(),
+                  toDegrees(judged.rate), toDegrees(judged.forward_peak),
+                  toDegrees(judged.backward_peak), toDegrees(judged.drift_peak_to_peak),
+                  toDegrees(judged.threshold), 1e6 * judged.slope_error);
+      std::fflush(stdout);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ring_gyro
+
+int main(int argc, char** argv) {
+  using namespace ring_gyro;
+  try {
+    ConfigurationOptions configuration_options;
+    double time = 0.0;
+    bool each_switch = false;
+    options::options_description description("judge_calibration");
+    configuration_options.addTo(description);
+    description.add_options()("help,h", "this text")(
+        "time", options::value(&time)->default_value(150.0), "at each rate and sign [s]")(
+        "each-switch", options::bool_switch(&each_switch),
+        "also with each part of the calibration switched off");
+    options::variables_map values;
+    options::store(options::parse_command_line(argc, argv, description), values);
+    options::notify(values);
+    if (values.count("help") != 0) {
+      std::cout << "usage: judge_calibration --config FILE --config CALIBRATION [--each-switch]\n"
+                << description;
+      return EXIT_SUCCESS;
+    }
+    judge(configuration_options.read(), time, each_switch);
+    return EXIT_SUCCESS;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}
