@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "ring_gyro/identification/envelope_model.h"
+
+namespace ring_gyro {
+
+/// Outcome of one update of the envelope filter.
+struct EnvelopeUpdate {
+  bool accepted = false;  ///< false: a number was not finite, or no sample; nothing was changed
+  Eigen::Vector4d innovation = Eigen::Vector4d::Zero();             ///< of the mean [V]
+  Eigen::Matrix4d innovation_covariance = Eigen::Matrix4d::Zero();  ///< [V^2]
+  double normalised_innovation_squared = 0.0;
+};
+
+/// Extended Kalman filter on the envelope model that takes the mean of the measured envelope over an
+/// interval as one measurement: the technique of IntervalFilter, with four rows and as many states
+/// as the chosen groups make. Works in linear coordinates (ExtendedState). Does not allocate.
+class EnvelopeFilter {
+ public:
+  /// `sample_variance`: of each part of the envelope in a sample, white [V^2]; `rate_density`: of
+  /// each part of its rate, white, two-sided [V^2/s].
+  EnvelopeFilter(const EnvelopeModel& model, double sample_variance, double rate_density);
+
+  /// Forgets everything and starts an interval. `scale`: typical size of each state, above zero;
+  /// `walk`: variance growth of the states [unit^2/s]. All in linear coordinates.
+  void initialise(const ExtendedVector& value, const ExtendedMatrix& covariance,
+                  const ExtendedVector& scale, const ExtendedVector& walk);
+  /// Forgets the envelope, keeps the parameters: `envelope` with standard deviation `sigma` [V],
+  /// correlated with nothing. Starts an interval.
+  void restartEnvelope(const Eigen::Vector4d& envelope, double sigma);
+
+  /// Whether one interval of `duration` [s] from here on is linear enough: products of the
+  /// uncertainties of envelope and rates stay under a tenth of the noise of the mean of `samples`.
+  bool isLinearOver(double duration, int samples, const EnvelopeInput& input) const;
+
+  void step(const EnvelopeInput& input, double duration);
+  /// Adds a measured envelope [V] to the interval's mean.
+  void sample(const Eigen::Vector4d& measured);
+  /// Ends the interval with its update and starts the next.
+  EnvelopeUpdate update();
+  /// Drops what the interval has gathered, back to its start.
+  void abandon();
+
+  const ExtendedVector& value() const { return value_; }  ///< at the end of the last interval
+  ExtendedMatrix covariance() const;
+  const EnvelopeModel& model() const { return model_; }
+
+ private:
+  EnvelopeModel model_;
+  double sample_variance_;
+  double rate_density_;
+  ExtendedVector scale_;
+  ExtendedVector value_;
+  ExtendedMatrix covariance_;        // of the scaled state
+  ExtendedVector variance_growth_;   // of the scaled state [1/s]
+
+  // The running interval.
+  Eigen::Vector4d envelope_;
+  EnvelopeSensitivity sensitivity_;  // to the state at the interval's start, not scaled
+  double elapsed_ = 0.0;
+  int samples_ = 0;
+  Eigen::Vector4d predicted_sum_;
+  Eigen::Vector4d measured_sum_;
+  EnvelopeSensitivity sensitivity_sum_;
+  // Process noise: of the envelope, between it and the sum of predictions, of the sum.
+  Eigen::Matrix4d noise_end_;
+  Eigen::Matrix4d noise_end_sum_;
+  Eigen::Matrix4d noise_sum_;
+  EnvelopeStep step_;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "ring_gyro/identification/extended_state.h"
+
+namespace ring_gyro {
+
+using EnvelopeSensitivity = Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMostExtendedStates>;
+
+/// Known inputs of the envelope's rate over one step.
+struct EnvelopeInput {
+  Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();  ///< commanded envelope, with its step [V]
+  double reference_frequency = 0.0;                   ///< w [rad/s]
+  double theta = 0.0;          ///< measured, in the middle of the step [rad]
+  double rotation_rate = 0.0;  ///< k Om, as far as it is known [rad/s]
+};
+
+/// One step of the envelope: after = transition before + force; `by_parameters` is the derivative
+/// of `after` with respect to the linear parameters (states from 4 on).
+struct EnvelopeStep {
+  Eigen::Vector4d after;
+  Eigen::Matrix4d transition;
+  EnvelopeSensitivity by_parameters;
+};
+
+/// The envelope U = [X; Y] of both axes in the frame of the NCO, as (re X, im X, re Y, im Y):
+///
+///     U' = (I - E) (L U - i/(2w) P F)
+///     L = i D + i K2 M - d G + (k Om + r(theta)) J + k Om (s1 S1 + s2 S2 + ...)
+///     E = (d G - k Om J + i D + i K2 M) / (2 i w),   P = ks e^{-ip} (I + drive matrix)
+///
+/// with the terms of ExtendedState; E is the second order of docs/derivation.md, section 8. What is
+/// measured is U + (3/4) c |U|^2 U on each axis.
+class EnvelopeModel {
+ public:
+  explicit EnvelopeModel(const ExtendedState& state) : state_(state) {}
+
+  /// Over `duration` [s]: exact to fourth order in rate times duration for the envelope, to second
+  /// for the derivatives.
+  void step(const Eigen::Vector4d& envelope, const ExtendedVector& linear,
+            const EnvelopeInput& input, double duration, EnvelopeStep& step) const;
+
+  /// Rate of the envelope with respect to the linear parameters, first order [V/s per unit].
+  EnvelopeSensitivity rateByParameters(const Eigen::Vector4d& envelope,
+                                       const ExtendedVector& linear,
+                                       const EnvelopeInput& input) const;
+
+  /// What the pick-offs show of an envelope [V], its derivative with respect to the envelope, and
+  /// with respect to the cubic term (zero when that is not estimated).
+  struct Measurement {
+    Eigen::Vector4d value;
+    Eigen::Matrix4d by_envelope;
+    Eigen::Vector4d by_cubic;
+  };
+  Measurement measure(const Eigen::Vector4d& envelope, const ExtendedVector& linear) const;
+
+  const ExtendedState& state() const { return state_; }
+
+ private:
+  ExtendedState state_;
+};
+
+Eigen::Vector4d realParts(const Eigen::Vector2cd& envelope);  ///< (re X, im X, re Y, im Y)
+
+}  // namespace ring_gyro

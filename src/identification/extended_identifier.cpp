@@ -1,0 +1,310 @@
+#include "ring_gyro/identification/extended_identifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <variant>
+
+#include "ring_gyro/common/angle.h"
+
+namespace ring_gyro {
+namespace {
+
+const ExtendedParameters& checked(const ExtendedParameters& parameters) {
+  ExtendedParameters copy = parameters;
+  ParameterTable table;
+  copy.declare(table);
+  for (const Parameter& parameter : table.parameters()) {
+    if (const auto* number = std::get_if<double*>(&parameter.target)) {
+      if (!parameter.range.contains(**number)) {
+        throw std::invalid_argument("extended: " + parameter.key + " = " +
+                                    std::to_string(**number) + " must be " +
+                                    parameter.range.text());
+      }
+    }
+  }
+  return parameters;
+}
+
+std::int64_t wholeBlocks(double period, const ConverterParameters& converter) {
+  const double blocks = period / converter.blockDuration();
+  const double whole = std::round(blocks);
+  if (whole < 1.0 || std::abs(blocks - whole) > 1e-6) {
+    throw std::invalid_argument("extended: update_period = " + std::to_string(period) +
+                                " s must be a whole number of blocks of " +
+                                std::to_string(converter.blockDuration()) + " s");
+  }
+  return static_cast<std::int64_t>(whole);
+}
+
+double square(double x) { return x * x; }
+
+/// Standard deviations of the parameters before any data, physical coordinates.
+ExtendedVector initialSigmas(const ExtendedState& state, const ExtendedParameters& p,
+                             const ExtendedVector& value) {
+  const ExtendedState::Layout& at = state.layout();
+  ExtendedVector sigma = ExtendedVector::Zero(state.size());
+  sigma.segment<2>(at.gamma).setConstant(p.initial_gamma_sigma);
+  sigma.segment<2>(at.mu).setConstant(p.initial_mu_sigma);
+  sigma[at.drive_gain] = p.initial_drive_gain_sigma * value[at.drive_gain];
+  if (at.decay_rate >= 0) sigma[at.decay_rate] = p.initial_quality_sigma * value[at.decay_rate];
+  // f0 is set from where the phase-locked loop is, which mu moves by half of itself.
+  if (at.frequency >= 0) sigma[at.frequency] = p.initial_mu_sigma * p.natural_frequency;
+  if (at.drive_phase >= 0) sigma[at.drive_phase] = p.initial_drive_phase_sigma;
+  if (at.mismatch >= 0) {
+    sigma.segment<2>(at.mismatch).setConstant(p.initial_mismatch_sigma);
+    sigma.segment<2>(at.mismatch + 2).setConstant(p.initial_drive_phase_sigma);
+  }
+  if (at.drive_rotation >= 0) sigma[at.drive_rotation] = p.initial_mismatch_sigma;
+  if (at.drift_bias >= 0) sigma[at.drift_bias] = p.initial_drift_sigma;
+  const auto harmonics = [&sigma](int first, std::size_t orders, double value_of_sigma) {
+    if (first < 0) return;
+    sigma.segment(first, 2 * static_cast<Eigen::Index>(orders)).setConstant(value_of_sigma);
+  };
+  harmonics(at.even_harmonics, state.evenOrders().size(), p.initial_drift_sigma);
+  harmonics(at.odd_harmonics, state.oddOrders().size(), p.initial_scale_sigma);
+  if (at.sense_mismatch >= 0) {
+    sigma.segment<2>(at.sense_mismatch).setConstant(p.initial_mismatch_sigma);
+  }
+  if (at.pickoff_cubic >= 0) sigma[at.pickoff_cubic] = p.initial_cubic_sigma;
+  if (at.rotation_rate >= 0) sigma[at.rotation_rate] = p.initial_rotation_sigma;
+  return sigma;
+}
+
+/// Random walks of the parameters, physical coordinates [unit/sqrt(s)].
+ExtendedVector walks(const ExtendedState& state, const ExtendedParameters& p,
+                     const ExtendedVector& value) {
+  const ExtendedState::Layout& at = state.layout();
+  ExtendedVector walk = ExtendedVector::Zero(state.size());
+  walk.segment<2>(at.gamma).setConstant(p.gamma_walk);
+  walk.segment<2>(at.mu).setConstant(p.mu_walk);
+  walk[at.drive_gain] = p.drive_gain_walk * value[at.drive_gain];
+  if (at.decay_rate >= 0) walk[at.decay_rate] = p.quality_walk * value[at.decay_rate];
+  if (at.frequency >= 0) walk[at.frequency] = p.frequency_walk;
+  if (at.drift_bias >= 0) walk[at.drift_bias] = p.drift_walk;
+  if (at.even_harmonics >= 0) {
+    walk.segment(at.even_harmonics, 2 * static_cast<Eigen::Index>(state.evenOrders().size()))
+        .setConstant(p.drift_walk);
+  }
+  if (at.rotation_rate >= 0) walk[at.rotation_rate] = p.rotation_walk;
+  return walk;
+}
+
+}  // namespace
+
+double ExtendedEstimate::sigma(Eigen::Index state) const {
+  return std::sqrt(covariance(state, state));
+}
+
+ExtendedIdentifier::ExtendedIdentifier(const ExtendedParameters& parameters,
+                                       const ConverterParameters& converter)
+    : parameters_(checked(parameters)),
+      state_(parameters),
+      period_blocks_(wholeBlocks(parameters.update_period, converter)),
+      block_duration_(converter.blockDuration()),
+      sample_sigma_(parameters.noise_density / std::sqrt(block_duration_)),
+      // Demodulation gives each quadrature the two-sided density N^2; the moving average in it
+      // makes samples of that variance over the block.
+      filter_(EnvelopeModel(state_), square(sample_sigma_),
+              square(parameters.envelope_process_noise)),
+      chain_(converter.blockDurationNanoseconds()) {}
+
+std::optional<ExtendedEstimate> ExtendedIdentifier::process(const OrbitalElements& elements,
+                                                            const ControlGains& gains,
+                                                            double rotation_rate) {
+  const BlockStamp& stamp = elements.stamp;
+  if (!started_ || stamp.session != last_stamp_.session || stamp.sequence <= last_stamp_.sequence) {
+    restart(stamp);
+  } else if (stamp.sequence != last_stamp_.sequence + 1) {
+    skipLost(stamp);
+  }
+  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
+  const bool first_of_period = stamp.sequence % period_blocks == 0;
+  if (first_of_period) {
+    blocks_in_period_ = 0;
+    complete_ = true;
+  }
+  ++blocks_in_period_;
+  last_stamp_ = stamp;
+  if (!chain_.admit(elements, gains, rotation_rate)) {
+    breakChain();
+  } else if (complete_) {
+    gather(stamp.sequence, first_of_period);
+  }
+  if ((stamp.sequence + 1) % period_blocks != 0) return std::nullopt;
+  return finishPeriod(stamp);
+}
+
+void ExtendedIdentifier::restart(const BlockStamp& stamp) {
+  started_ = true;
+  last_stamp_ = stamp;
+  used_ = rejected_ = lost_ = 0;
+  chain_.reset();
+  scaled_ = chained_ = complete_ = false;
+  blocks_in_period_ = 0;
+  lowest_theta_ = highest_theta_ = 0.0;
+}
+
+void ExtendedIdentifier::skipLost(const BlockStamp& stamp) {
+  lost_ += stamp.sequence - last_stamp_.sequence - 1;
+  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
+  if (stamp.sequence / period_blocks != last_stamp_.sequence / period_blocks &&
+      (last_stamp_.sequence + 1) % period_blocks != 0) {
+    rejected_ += blocks_in_period_;  // of a period whose end was lost
+    blocks_in_period_ = 0;
+  }
+  chain_.reset();
+  breakChain();
+}
+
+double ExtendedIdentifier::restartSigma(double amplitude) const {
+  // Wide enough that the period's mean decides, and not one sample.
+  return 0.01 * amplitude + 10.0 * sample_sigma_;
+}
+
+void ExtendedIdentifier::gather(std::uint64_t sequence, bool first_of_period) {
+  const BlockChain::Block& now = chain_.block(sequence);
+  if (first_of_period) {
+    lowest_theta_in_period_ = highest_theta_in_period_ = now.orbit.theta;
+    amplitude_sum_ = frequency_sum_ = drive_sum_ = 0.0;
+    phi_at_start_ = now.orbit.phi;
+  }
+  lowest_theta_in_period_ = std::min(lowest_theta_in_period_, now.orbit.theta);
+  highest_theta_in_period_ = std::max(highest_theta_in_period_, now.orbit.theta);
+  if (!scaled_) {
+    const std::complex<double> along =
+        std::cos(now.orbit.theta) * now.drive.x() + std::sin(now.orbit.theta) * now.drive.y();
+    amplitude_sum_ += now.orbit.a;
+    frequency_sum_ += now.reference_frequency;
+    drive_sum_ += (std::polar(1.0, -now.orbit.phi) * along).imag();
+    return;
+  }
+  const Eigen::Vector4d measured = realParts(envelopeFromOrbit(now.orbit));
+  const bool restarted = first_of_period && !chained_;
+  if (restarted) filter_.restartEnvelope(measured, restartSigma(now.orbit.a));
+  if (first_of_period) {
+    EnvelopeInput input;
+    input.drive = now.drive;
+    input.reference_frequency = now.reference_frequency;
+    input.theta = now.orbit.theta;
+    input.rotation_rate = now.rotation_rate;
+    by_blocks_ = !filter_.isLinearOver(static_cast<double>(period_blocks_) * block_duration_,
+                                       static_cast<int>(period_blocks_), input);
+  }
+  if (!restarted) propagate(sequence);
+  filter_.sample(measured);
+  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
+  if (by_blocks_ || (sequence + 1) % period_blocks == 0) {
+    update_ = filter_.update();
+    chained_ = update_.accepted;
+    if (!update_.accepted) breakChain();
+  }
+}
+
+void ExtendedIdentifier::propagate(std::uint64_t sequence) {
+  const Orbit& before = chain_.block(sequence - 1).orbit;
+  const Orbit& now = chain_.block(sequence).orbit;
+  for (const ChainSegment& segment : chain_.segments(sequence)) {
+    if (segment.duration <= 0.0) continue;
+    EnvelopeInput input;
+    input.drive = segment.drive;
+    input.reference_frequency = segment.reference_frequency;
+    input.theta = before.theta + segment.middle * (now.theta - before.theta);
+    input.rotation_rate = segment.rotation_rate;
+    filter_.step(input, segment.duration);
+  }
+}
+
+void ExtendedIdentifier::breakChain() {
+  complete_ = false;
+  if (chained_) {
+    const Eigen::Vector4d envelope = filter_.value().head<4>();
+    filter_.restartEnvelope(envelope, restartSigma(envelope.norm()));
+  }
+  chained_ = false;
+}
+
+ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
+  ExtendedEstimate estimate;
+  bool used = false;
+  if (complete_ && scaled_) {
+    used = estimate.updated = true;
+    estimate.innovation = update_.innovation;
+    estimate.innovation_covariance = update_.innovation_covariance;
+    estimate.normalised_innovation_squared = update_.normalised_innovation_squared;
+    estimate.whole_period = !by_blocks_;
+  } else if (complete_) {
+    used = setScale(stamp.sequence);
+  }
+  if (used) {
+    const bool first = used_ == 0;
+    lowest_theta_ =
+        first ? lowest_theta_in_period_ : std::min(lowest_theta_, lowest_theta_in_period_);
+    highest_theta_ =
+        first ? highest_theta_in_period_ : std::max(highest_theta_, highest_theta_in_period_);
+  }
+  (used ? used_ : rejected_) += blocks_in_period_;
+  blocks_in_period_ = 0;
+  complete_ = false;
+
+  estimate.stamp = stamp;
+  estimate.used_blocks = used_;
+  estimate.rejected_blocks = rejected_;
+  estimate.lost_blocks = lost_;
+  estimate.scaled = scaled_;
+  estimate.angle_covered = highest_theta_ - lowest_theta_;
+  estimate.value.setZero(state_.size());
+  estimate.covariance.setZero(state_.size(), state_.size());
+  if (!scaled_) return estimate;
+  const ExtendedVector& linear = filter_.value();
+  const ExtendedMatrix slope = state_.physicalByLinear(linear);
+  estimate.value = state_.physical(linear);
+  const ExtendedMatrix covariance = slope * filter_.covariance() * slope.transpose();
+  estimate.covariance = 0.5 * (covariance + covariance.transpose());
+  estimate.quality_factor = 0.5 * state_.angularFrequency(linear) / state_.decayRate(linear);
+  return estimate;
+}
+
+bool ExtendedIdentifier::setScale(std::uint64_t sequence) {
+  const double blocks = static_cast<double>(period_blocks_);
+  const BlockChain::Block& now = chain_.block(sequence);
+  const double frequency = frequency_sum_ / blocks;
+  const double duration = (blocks - 1.0) * block_duration_;
+  // phi' = w0 - w, but for mu.
+  const double slip = blocks > 1.0 ? (now.orbit.phi - phi_at_start_) / duration : 0.0;
+  const double balance =
+      2.0 * frequency * state_.nominalDecayRate() * amplitude_sum_ / drive_sum_;
+  const double drive_gain =
+      parameters_.initial_drive_gain > 0.0 ? parameters_.initial_drive_gain : balance;
+  if (!(drive_sum_ > 0.0) || !std::isfinite(drive_gain)) return false;
+  start(realParts(envelopeFromOrbit(now.orbit)), drive_gain, frequency + slip);
+  return true;
+}
+
+void ExtendedIdentifier::start(const Eigen::Vector4d& envelope, double drive_gain,
+                               double angular_frequency) {
+  const ExtendedState::Layout& at = state_.layout();
+  ExtendedVector value = ExtendedVector::Zero(state_.size());
+  value.head<4>() = envelope;
+  value[at.gamma] = parameters_.initial_gamma1;
+  value[at.gamma + 1] = parameters_.initial_gamma2;
+  value[at.mu] = parameters_.initial_mu1;
+  value[at.mu + 1] = parameters_.initial_mu2;
+  value[at.drive_gain] = drive_gain;
+  if (at.decay_rate >= 0) value[at.decay_rate] = state_.nominalDecayRate();
+  if (at.frequency >= 0) value[at.frequency] = angular_frequency / kTwoPi;
+
+  ExtendedVector sigma = initialSigmas(state_, parameters_, value);
+  sigma.head<4>().setConstant(restartSigma(envelope.norm()));
+  const ExtendedMatrix slope = state_.linearByPhysical(value);
+  const ExtendedMatrix prior = slope * sigma.cwiseAbs2().asDiagonal() * slope.transpose();
+  const ExtendedVector scale = slope.cwiseAbs() * sigma;
+  ExtendedVector growth = slope.cwiseAbs2() * walks(state_, parameters_, value).cwiseAbs2();
+  growth.head<4>().setZero();
+  ExtendedVector unit = scale;
+  unit.head<4>().setOnes();
+  filter_.initialise(state_.linear(value), prior, unit, growth);
+  scaled_ = true;
+}
+
+}  // namespace ring_gyro
