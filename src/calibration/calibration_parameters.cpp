@@ -13,7 +13,7 @@ void CalibrationRunParameters::declare(ParameterTable& table) {
       .number("survey_rate", survey_rate, "rad/s", Range::between(0.0, 100.0),
               "steering while nothing is known yet; 0: 0.3 xi0 w0, enough for a gamma of 0.1")
       .number("rate_margin", rate_margin, "1", Range::between(1.5, 100.0),
-              "steering over the drift that the survey found")
+              "steering while identifying, over the drift that the survey found")
       .number("least_rate", least_rate, "rad/s", Range::between(1e-4, 100.0),
               "of steering, however small that drift is")
       .number("settling_decays", settling_decays, "1", Range::between(1.0, 1000.0),
@@ -32,8 +32,10 @@ void CalibrationRunParameters::declare(ParameterTable& table) {
               "the same in the last round, whose noise stays")
       .integer("drift_rounds", drift_rounds, Range::between(1.0, 10.0),
                "measure drift at both signs, cancel it, measure again")
-      .integer("harmonics", harmonics, Range::between(1.0, 8.0),
-               "orders of the pattern angle in drift and angle map")
+      .number("drift_rate", drift_rate, "rad/s", Range::between(1e-4, 100.0),
+              "of steering in the drift rounds, when gamma has been cancelled")
+      .integer("highest_order", highest_order, Range::between(2.0, 8.0),
+               "of drift and angle map in the pattern angle; odd orders are zero")
       .flag("rate_table", rate_table,
             "the case can be turned: measure the angle map, verify with true rotation")
       .number("table_rate", table_rate, "rad/s", Range::between(1e-3, 100.0),

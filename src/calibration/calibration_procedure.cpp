@@ -1,5 +1,6 @@
 #include "ring_gyro/calibration/calibration_procedure.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -54,9 +55,21 @@ double coefficientSigma(const std::vector<AngleSample>& samples, double period) 
   return 0.5 * std::sqrt(squares / (2 * RateHarmonics::kCount));
 }
 
-void keepOrders(AngleHarmonics& function, std::int64_t orders) {
-  function.cosine.resize(static_cast<std::size_t>(orders), 0.0);
-  function.sine.resize(static_cast<std::size_t>(orders), 0.0);
+/// (theta + pi, phi + pi) is the same motion: odd orders can be nothing but noise.
+void keepEvenOrders(AngleHarmonics& function, std::int64_t highest) {
+  function.cosine.resize(static_cast<std::size_t>(highest), 0.0);
+  function.sine.resize(static_cast<std::size_t>(highest), 0.0);
+  for (std::size_t i = 0; i < function.cosine.size(); i += 2) {
+    function.cosine[i] = function.sine[i] = 0.0;
+  }
+}
+
+/// What is corrected must be estimated. Steering alone shows no rotation of the case.
+ExtendedParameters withCalibratedGroups(ExtendedParameters parameters) {
+  parameters.quality = parameters.frequency = true;
+  parameters.drive_matrix = parameters.drift_bias = parameters.pickoff_cubic = true;
+  parameters.drive_rotation = parameters.sense_matrix = parameters.estimate_rotation = false;
+  return parameters;
 }
 
 AngleHarmonics scaled(AngleHarmonics function, double factor) {
@@ -73,7 +86,7 @@ CalibrationProcedure::CalibrationProcedure(const CalibrationRunParameters& param
                                            const ConverterParameters& converter,
                                            std::int64_t period_blocks, const Calibration& initial)
     : parameters_(parameters),
-      identification_(identification),
+      identification_(withCalibratedGroups(identification)),
       converter_(converter),
       period_blocks_(static_cast<std::uint64_t>(period_blocks)),
       calibration_(initial) {
@@ -103,7 +116,7 @@ void CalibrationProcedure::plan(double rate) {
   }
   for (std::int64_t round = 1; round <= parameters_.drift_rounds; ++round) {
     planPair(
-        Stage::kDrift, "drift " + std::to_string(round), rate, 0.0,
+        Stage::kDrift, "drift " + std::to_string(round), parameters_.drift_rate, 0.0,
         round < parameters_.drift_rounds ? parameters_.drift_time : parameters_.last_drift_time);
   }
   if (parameters_.rate_table) {
@@ -199,7 +212,7 @@ void CalibrationProcedure::record(const OrbitalElements& elements, const Control
   if (settled_time_ <= leg.settling) return;
 
   const double time = elements.stamp.end() - elements.group_delay;
-  if (leg.stage == Stage::kSurvey || leg.stage == Stage::kIdentification) {
+  if (leg.stage == Stage::kIdentification) {
     if (!identifier_) identifier_.emplace(identification_, converter_);
     if (std::optional<ExtendedEstimate> estimate = identifier_->process(elements, gains, 0.0)) {
       estimate_ = std::move(estimate);
@@ -246,34 +259,42 @@ void CalibrationProcedure::finishLeg() {
 
 void CalibrationProcedure::finishSurvey() {
   const double travel = std::abs(theta_.back().theta - theta_.front().theta);
-  if (!estimate_ || travel < kPi) {
+  if (travel < kTwoPi) {
     throw std::runtime_error("the pattern turned by " + std::to_string(toDegrees(travel)) +
                              " deg only; raise calibration_run/survey_rate above the drift");
   }
-  const double gamma = std::hypot(estimate_->of("gamma1"), estimate_->of("gamma2"));
-  const double decay = kPi * estimate_->of("natural_frequency") / estimate_->of("quality_factor");
-  const double rate = std::max(parameters_.least_rate, parameters_.rate_margin * decay * gamma);
+  // Half the swing of the rate is what gamma, drive and pick-off make together; to tell them apart
+  // takes the identification.
+  const double drift = 0.5 * fit(theta_, converter_.blockDuration()).peak_to_peak;
+  const double rate = std::max(parameters_.least_rate, parameters_.rate_margin * drift);
   const Leg survey = legs_.front();
   plan(rate);
   legs_.push_front(survey);  // leaves with the leg that ends now
-  identifier_.reset();
-  estimate_.reset();
+}
+
+double CalibrationProcedure::identified(const std::string& name) const {
+  return estimate_->value[*identifier_->find(name)];
 }
 
 void CalibrationProcedure::finishIdentification() {
   if (!estimate_) throw std::runtime_error("no block could be used for identification");
-  const auto value = [this](const char* name) { return estimate_->of(name); };
+  const auto value = [this](const char* name) { return identified(name); };
   result_.natural_frequency = value("natural_frequency");
-  result_.quality_factor = value("quality_factor");
+  result_.quality_factor = kPi * result_.natural_frequency / value("decay_rate");
   result_.drive_gain = value("drive_gain");
-  result_.parameters = estimate_->parameters();
+  result_.parameters.clear();
+  const std::vector<std::string>& names = identifier_->names();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    result_.parameters.push_back({names[i], estimate_->value[index], estimate_->sigma(index)});
+  }
 
   DrivePath residual;
   residual.phase = value("drive_phase");
-  residual.gain1 = value("drive_gain_1");
-  residual.gain2 = value("drive_gain_2");
-  residual.quadrature1 = value("drive_quadrature_1");
-  residual.quadrature2 = value("drive_quadrature_2");
+  residual.mismatch = value("drive_mismatch");
+  residual.skew = value("drive_skew");
+  residual.phase_mismatch = value("phase_mismatch");
+  residual.phase_skew = value("phase_skew");
   // What was identified is what the correction in force leaves.
   calibration_.drive_path =
       DrivePath::of(residual.matrix() * calibration_.driveCorrection().inverse());
@@ -291,7 +312,7 @@ void CalibrationProcedure::finishDriftRound(const RateHarmonics& forward,
                                             const RateHarmonics& backward) {
   DriftRound round;
   round.measured = evenPart(forward, backward);
-  keepOrders(round.measured, parameters_.harmonics);
+  keepEvenOrders(round.measured, parameters_.highest_order);
   round.peak_to_peak = peakToPeak(round.measured);
   round.sigma = coefficientSigma(theta_, converter_.blockDuration()) / std::sqrt(2.0);
   calibration_.drift += round.measured;
@@ -301,7 +322,8 @@ void CalibrationProcedure::finishDriftRound(const RateHarmonics& forward,
 void CalibrationProcedure::finishTable(const RateHarmonics& forward,
                                        const RateHarmonics& backward) {
   const AngleHarmonics odd = oddPart(forward, backward);
-  calibration_.angle_map = angleMapOf(odd, static_cast<int>(parameters_.harmonics));
+  calibration_.angle_map = angleMapOf(odd, static_cast<int>(parameters_.highest_order));
+  keepEvenOrders(calibration_.angle_map, parameters_.highest_order);
   result_.angle_map_measured = true;
   result_.angular_gain = angularGainOf(odd, parameters_.table_rate);
   result_.table_drift = evenPart(forward, backward);

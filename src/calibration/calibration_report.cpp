@@ -42,7 +42,7 @@ void addMapKnowledge(std::string& text, const CalibrationResult& result) {
           "  misalignment of the pick-off (2 theta): only their sum with those of the drive, here");
   addLine(text,
           "  %.2f %%. Were all of it in the pick-off, the angle scale would be off by %.0f ppm;",
-          100.0 * std::hypot(path.gain1, path.gain2), 2e6 * std::hypot(path.gain1, path.gain2));
+          100.0 * std::hypot(path.mismatch, path.skew), 2e6 * std::hypot(path.mismatch, path.skew));
   addLine(text, "  where drive and pick-off cancel, by more. A rate table tells.");
 }
 

@@ -9,8 +9,8 @@ namespace ring_gyro {
 using Complex = std::complex<double>;
 
 Eigen::Matrix2cd DrivePath::matrix() const {
-  const Complex along(gain1, quadrature1);
-  const Complex across(gain2, quadrature2);
+  const Complex along(mismatch, phase_mismatch);
+  const Complex across(skew, phase_skew);
   Eigen::Matrix2cd path;
   path << 1.0 + along, across, across, 1.0 - along;
   return std::polar(1.0, -phase) * path;
@@ -39,8 +39,8 @@ Eigen::Vector2cd Calibration::undistorted(const Eigen::Vector2cd& measured) cons
 Eigen::Matrix2cd Calibration::driveCorrection() const {
   DrivePath path = drive_path;
   if (!correct_phase) path.phase = 0.0;
-  if (!correct_drive_gains) path.gain1 = path.gain2 = 0.0;
-  if (!correct_quadrature) path.quadrature1 = path.quadrature2 = 0.0;
+  if (!correct_drive_gains) path.mismatch = path.skew = 0.0;
+  if (!correct_phase_mismatch) path.phase_mismatch = path.phase_skew = 0.0;
   return path.matrix().inverse();
 }
 
@@ -48,9 +48,9 @@ void Calibration::declare(ParameterTable& table) {
   table.flag("correct_pickoff", correct_pickoff, "undo the cubic of the pick-off")
       .flag("correct_phase", correct_phase, "advance the drive by drive_phase")
       .flag("correct_drive_gains", correct_drive_gains,
-            "turn the drive by the inverse of drive_gain_1 and drive_gain_2")
-      .flag("correct_quadrature", correct_quadrature,
-            "turn the drive by the inverse of drive_quadrature_1 and drive_quadrature_2")
+            "turn the drive by the inverse of drive_mismatch and drive_skew")
+      .flag("correct_phase_mismatch", correct_phase_mismatch,
+            "turn the drive by the inverse of phase_mismatch and phase_skew")
       .flag("cancel_damping", cancel_damping, "velocity feedback against gamma1 and gamma2")
       .flag("cancel_drift", cancel_drift, "steer against the drift that depends on the angle")
       .flag("map_angle", map_angle, "apply the angle map to the output angle")
@@ -58,13 +58,13 @@ void Calibration::declare(ParameterTable& table) {
               "a displacement x reads x (1 + pickoff_cubic x^2)")
       .number("drive_phase", drive_path.phase, "rad", Range::between(-1.5, 1.5),
               "delay of the path from drive to measured motion, both axes")
-      .number("drive_gain_1", drive_path.gain1, "1", Range::between(-0.5, 0.5),
+      .number("drive_mismatch", drive_path.mismatch, "1", Range::between(-0.5, 0.5),
               "half the relative gain difference of x and y in that path")
-      .number("drive_gain_2", drive_path.gain2, "1", Range::between(-0.5, 0.5),
+      .number("drive_skew", drive_path.skew, "1", Range::between(-0.5, 0.5),
               "cross gain in that path")
-      .number("drive_quadrature_1", drive_path.quadrature1, "rad", Range::between(-0.5, 0.5),
+      .number("phase_mismatch", drive_path.phase_mismatch, "rad", Range::between(-0.5, 0.5),
               "half the phase by which x leads y in that path")
-      .number("drive_quadrature_2", drive_path.quadrature2, "rad", Range::between(-0.5, 0.5),
+      .number("phase_skew", drive_path.phase_skew, "rad", Range::between(-0.5, 0.5),
               "cross phase in that path")
       .number("gamma1", gamma1, "1", Range::between(-0.5, 0.5),
               "damping mismatch along the axes that is cancelled from the start")

@@ -32,7 +32,7 @@ std::vector<Case> casesOf(const LoopConfiguration& whole, bool each_switch) {
       {"correct_pickoff", &Calibration::correct_pickoff},
       {"correct_phase", &Calibration::correct_phase},
       {"correct_drive_gains", &Calibration::correct_drive_gains},
-      {"correct_quadrature", &Calibration::correct_quadrature},
+      {"correct_phase_mismatch", &Calibration::correct_phase_mismatch},
       {"cancel_damping", &Calibration::cancel_damping},
       {"cancel_drift", &Calibration::cancel_drift},
       {"map_angle", &Calibration::map_angle}};

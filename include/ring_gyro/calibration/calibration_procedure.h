@@ -87,6 +87,7 @@ class CalibrationProcedure {
   void finishVerification(const RateHarmonics& forward, const RateHarmonics& backward);
   void aimAtWorstAngle();
   void finishThreshold();
+  double identified(const std::string& name) const;
   Calibration calibrationForDevice() const;
   LoopSettings settings() const;
   double timeLeft() const;

@@ -9,15 +9,15 @@ namespace ring_gyro {
 
 /// How the path from the commanded drive to the measured motion departs from ks alone:
 ///
-///     e^{-i phase} [I + g1 S1 + g2 S2 + i (q1 S1 + q2 S2)],  S1 = diag(1, -1), S2 = offdiag(1, 1).
+///     e^{-i phase} [I + e1 S1 + e2 S2 + i (q1 S1 + q2 S2)],  S1 = diag(1, -1), S2 = offdiag(1, 1).
 ///
 /// Drive and pick-off have a share in each; what acts on the loops is the product.
 struct DrivePath {
-  double phase = 0.0;        ///< delay of both axes [rad]
-  double gain1 = 0.0;        ///< half the relative gain difference of x and y
-  double gain2 = 0.0;        ///< cross gain
-  double quadrature1 = 0.0;  ///< half the phase by which x leads y [rad]
-  double quadrature2 = 0.0;  ///< cross phase [rad]
+  double phase = 0.0;           ///< delay of both axes [rad]
+  double mismatch = 0.0;        ///< half the relative gain difference of x and y
+  double skew = 0.0;            ///< cross gain
+  double phase_mismatch = 0.0;  ///< half the phase by which x leads y [rad]
+  double phase_skew = 0.0;      ///< cross phase [rad]
 
   Eigen::Matrix2cd matrix() const;
   /// The path whose matrix is nearest to a multiple of `matrix`.
@@ -33,9 +33,9 @@ struct DrivePath {
 /// order.
 struct Calibration {
   bool correct_pickoff = true;
-  bool correct_phase = true;        ///< DrivePath::phase
-  bool correct_drive_gains = true;  ///< DrivePath::gain1, gain2
-  bool correct_quadrature = true;   ///< DrivePath::quadrature1, quadrature2
+  bool correct_phase = true;           ///< DrivePath::phase
+  bool correct_drive_gains = true;     ///< DrivePath::mismatch, skew
+  bool correct_phase_mismatch = true;  ///< DrivePath::phase_mismatch, phase_skew
   bool cancel_damping = true;
   bool cancel_drift = true;
   bool map_angle = true;

@@ -9,6 +9,7 @@
 #include "ring_gyro/control/calibration.h"
 #include "ring_gyro/control/control_parameters.h"
 #include "ring_gyro/demodulation/demodulator.h"
+#include "ring_gyro/identification/extended_parameters.h"
 #include "ring_gyro/identification/identifier.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
@@ -50,11 +51,12 @@ struct LoopConfiguration {
   ControlParameters control;
   Calibration calibration;
   IdentificationParameters identification;
+  ExtendedParameters extended;
   InjectorParameters compensation;
   CalibrationRunParameters calibration_run;
 
   /// The sections in the order of the file: run, converter, device, resonator, sense, drive,
-  /// rotation, demodulation, control, calibration, identification, compensation, calibration_run.
+  /// rotation, demodulation, control, calibration, identification, extended, compensation, calibration_run.
   /// The tables point into this object.
   Sections sections();
 
