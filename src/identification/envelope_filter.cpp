@@ -64,7 +64,8 @@ bool EnvelopeFilter::isLinearOver(double duration, int samples, const EnvelopeIn
     const Eigen::Index state = k + 4;
     const bool of_drive = state == at.drive_gain || state == at.drive_phase ||
                           (at.mismatch >= 0 && state >= at.mismatch && state < at.mismatch + 4) ||
-                          state == at.drive_rotation;
+                          (at.drive_rotation >= 0 && state >= at.drive_rotation &&
+                           state < at.drive_rotation + 2);
     if (!of_drive) matrix_variance += rate.col(k).squaredNorm() * covariance_(state, state);
   }
   matrix_variance /= value_.head<4>().squaredNorm();

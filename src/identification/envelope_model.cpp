@@ -66,11 +66,16 @@ RateMatrices rateMatrices(const ExtendedState& state, const ExtendedVector& line
   const double coupling = 0.5 * w0 * w0 / w;
   const double rotation = rotationRate(at, linear, input);
   double turning = rotation;
+  Complex complex_turning = 0.0;
+  if (at.rotation_scale >= 0) turning += rotation * linear[at.rotation_scale];
   if (at.odd_harmonics >= 0) {
     turning +=
         rotation * harmonicSum(at.odd_harmonics, state.oddOrders(), linear, input.theta);
   }
-  if (at.drift_bias >= 0) turning += linear[at.drift_bias];
+  if (at.drift_bias >= 0) {
+    turning += linear[at.drift_bias];
+    complex_turning = kI * linear[at.drift_bias + 1];
+  }
   if (at.even_harmonics >= 0) {
     turning += harmonicSum(at.even_harmonics, state.evenOrders(), linear, input.theta);
   }
@@ -79,16 +84,17 @@ RateMatrices rateMatrices(const ExtendedState& state, const ExtendedVector& line
   const double damping1 = linear[at.gamma];
   const double damping2 = linear[at.gamma + 1];
   const Complex scale(state.decayRate(linear), detuning);
-  double sense1 = 0.0;
-  double sense2 = 0.0;
+  Complex sense1 = 0.0;
+  Complex sense2 = 0.0;
   if (at.sense_mismatch >= 0) {
     // A sense matrix I + e1 S1 + e2 S2 turns J into J + 2 e1 S2 - 2 e2 S1.
-    sense1 = -2.0 * rotation * linear[at.sense_mismatch + 1];
-    sense2 = 2.0 * rotation * linear[at.sense_mismatch];
+    const int sense = at.sense_mismatch;
+    sense1 = -2.0 * rotation * Complex(linear[sense + 1], linear[sense + 3]);
+    sense2 = 2.0 * rotation * Complex(linear[sense], linear[sense + 2]);
   }
   const Eigen::Matrix2cd first =
       matrixOf({-scale.real(), scale.imag()}, stiffness1 - damping1 + sense1,
-               stiffness2 - damping2 + sense2, turning);
+               stiffness2 - damping2 + sense2, turning + complex_turning);
   const Eigen::Matrix2cd second =
       (-0.5 / w) * matrixOf(-kI * scale, -kI * (stiffness1 + damping1),
                             -kI * (stiffness2 + damping2), kI * rotation);
@@ -107,7 +113,10 @@ Eigen::Vector4d driveForce(const ExtendedState& state, const ExtendedVector& lin
     along = {linear[at.mismatch], linear[at.mismatch + 2]};
     across = {linear[at.mismatch + 1], linear[at.mismatch + 3]};
   }
-  const double turn = at.drive_rotation < 0 ? 0.0 : linear[at.drive_rotation];
+  Complex turn = 0.0;
+  if (at.drive_rotation >= 0) {
+    turn = {linear[at.drive_rotation], linear[at.drive_rotation + 1]};
+  }
   const Eigen::Vector2cd force = matrixOf(state.driveGain(linear), along, across, turn) * input.drive;
   return realParts(Complex(0.0, -0.5 / input.reference_frequency) * force);
 }
@@ -149,8 +158,14 @@ EnvelopeSensitivity EnvelopeModel::rateByParameters(const Eigen::Vector4d& envel
     column(at.mismatch + 2) = timesI(alongAxes(force));
     column(at.mismatch + 3) = timesI(acrossAxes(force));
   }
-  if (at.drive_rotation >= 0) column(at.drive_rotation) = turned(force);
-  if (at.drift_bias >= 0) column(at.drift_bias) = turn;
+  if (at.drive_rotation >= 0) {
+    column(at.drive_rotation) = turned(force);
+    column(at.drive_rotation + 1) = timesI(turned(force));
+  }
+  if (at.drift_bias >= 0) {
+    column(at.drift_bias) = turn;
+    column(at.drift_bias + 1) = timesI(turn);
+  }
   const auto harmonics = [&](int first, const std::vector<int>& orders, double factor) {
     for (std::size_t k = 0; k < orders.size(); ++k) {
       const int place = first + 2 * static_cast<int>(k);
@@ -164,7 +179,10 @@ EnvelopeSensitivity EnvelopeModel::rateByParameters(const Eigen::Vector4d& envel
   if (at.sense_mismatch >= 0) {
     column(at.sense_mismatch) = 2.0 * rotation * across;
     column(at.sense_mismatch + 1) = -2.0 * rotation * along;
+    column(at.sense_mismatch + 2) = 2.0 * rotation * timesI(across);
+    column(at.sense_mismatch + 3) = -2.0 * rotation * timesI(along);
   }
+  if (at.rotation_scale >= 0) column(at.rotation_scale) = rotation * turn;
   if (at.pickoff_cubic >= 0) column(at.pickoff_cubic).setZero();
   if (at.rotation_rate >= 0) {
     double scale = 1.0;
@@ -173,8 +191,10 @@ EnvelopeSensitivity EnvelopeModel::rateByParameters(const Eigen::Vector4d& envel
     }
     column(at.rotation_rate) = scale * turn;
     if (at.sense_mismatch >= 0) {
-      column(at.rotation_rate) += 2.0 * linear[at.sense_mismatch] * across -
-                                  2.0 * linear[at.sense_mismatch + 1] * along;
+      const int sense = at.sense_mismatch;
+      column(at.rotation_rate) +=
+          2.0 * (linear[sense] * across - linear[sense + 1] * along +
+                 timesI(linear[sense + 2] * across - linear[sense + 3] * along));
     }
   }
   return result;

@@ -55,8 +55,11 @@ ExtendedVector initialSigmas(const ExtendedState& state, const ExtendedParameter
     sigma.segment<2>(at.mismatch).setConstant(p.initial_mismatch_sigma);
     sigma.segment<2>(at.mismatch + 2).setConstant(p.initial_drive_phase_sigma);
   }
-  if (at.drive_rotation >= 0) sigma[at.drive_rotation] = p.initial_mismatch_sigma;
-  if (at.drift_bias >= 0) sigma[at.drift_bias] = p.initial_drift_sigma;
+  if (at.drive_rotation >= 0) {
+    sigma[at.drive_rotation] = p.initial_mismatch_sigma;
+    sigma[at.drive_rotation + 1] = p.initial_drive_phase_sigma;
+  }
+  if (at.drift_bias >= 0) sigma.segment<2>(at.drift_bias).setConstant(p.initial_drift_sigma);
   const auto harmonics = [&sigma](int first, std::size_t orders, double value_of_sigma) {
     if (first < 0) return;
     sigma.segment(first, 2 * static_cast<Eigen::Index>(orders)).setConstant(value_of_sigma);
@@ -65,7 +68,9 @@ ExtendedVector initialSigmas(const ExtendedState& state, const ExtendedParameter
   harmonics(at.odd_harmonics, state.oddOrders().size(), p.initial_scale_sigma);
   if (at.sense_mismatch >= 0) {
     sigma.segment<2>(at.sense_mismatch).setConstant(p.initial_mismatch_sigma);
+    sigma.segment<2>(at.sense_mismatch + 2).setConstant(p.initial_drive_phase_sigma);
   }
+  if (at.rotation_scale >= 0) sigma[at.rotation_scale] = p.initial_scale_sigma;
   if (at.pickoff_cubic >= 0) sigma[at.pickoff_cubic] = p.initial_cubic_sigma;
   if (at.rotation_rate >= 0) sigma[at.rotation_rate] = p.initial_rotation_sigma;
   return sigma;
@@ -81,7 +86,7 @@ ExtendedVector walks(const ExtendedState& state, const ExtendedParameters& p,
   walk[at.drive_gain] = p.drive_gain_walk * value[at.drive_gain];
   if (at.decay_rate >= 0) walk[at.decay_rate] = p.quality_walk * value[at.decay_rate];
   if (at.frequency >= 0) walk[at.frequency] = p.frequency_walk;
-  if (at.drift_bias >= 0) walk[at.drift_bias] = p.drift_walk;
+  if (at.drift_bias >= 0) walk.segment<2>(at.drift_bias).setConstant(p.drift_walk);
   if (at.even_harmonics >= 0) {
     walk.segment(at.even_harmonics, 2 * static_cast<Eigen::Index>(state.evenOrders().size()))
         .setConstant(p.drift_walk);

@@ -12,10 +12,12 @@ void ExtendedParameters::declare(ParameterTable& table) {
       .flag("frequency", frequency, "estimate f0; off: natural_frequency of device is exact")
       .flag("drive_matrix", drive_matrix,
             "estimate phase, gain and phase mismatch of the drive times sense path")
-      .flag("drive_rotation", drive_rotation, "estimate the turn of the drive against the sense axes")
-      .flag("drift_bias", drift_bias, "estimate a drift that is the same at every pattern angle")
+      .flag("drive_rotation", drive_rotation, "estimate the turn of the drive against the sense axes, and its phase")
+      .flag("drift_bias", drift_bias, "estimate drift and quadrature that are the same at every pattern angle")
       .flag("sense_matrix", sense_matrix,
-            "estimate gain mismatch and skew of the sense path; needs a known rotation")
+            "estimate gain and phase mismatch of the sense path; needs a known rotation")
+      .flag("rotation_scale", rotation_scale,
+            "estimate the scale of the known rotation: an angular gain other than told")
       .flag("pickoff_cubic", pickoff_cubic, "estimate c of a pick-off that reads x (1 + c x^2)")
       .flag("estimate_rotation", estimate_rotation,
             "estimate the rotation of the case instead of taking it as known")

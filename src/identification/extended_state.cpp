@@ -28,13 +28,6 @@ std::vector<int> wholeOrders(const char* key, const std::vector<double>& orders)
   return result;
 }
 
-/// Derivative of z -> factor z as a real 2x2 matrix.
-Eigen::Matrix2d realMatrix(Complex factor) {
-  Eigen::Matrix2d result;
-  result << factor.real(), -factor.imag(), factor.imag(), factor.real();
-  return result;
-}
-
 }  // namespace
 
 ExtendedState::ExtendedState(const ExtendedParameters& parameters)
@@ -72,13 +65,26 @@ ExtendedState::ExtendedState(const ExtendedParameters& parameters)
     add(layout_.drive_phase, {"drive_phase"});
     add(layout_.mismatch, {"drive_mismatch", "drive_skew", "phase_mismatch", "phase_skew"});
   }
-  if (parameters.drive_rotation) add(layout_.drive_rotation, {"drive_rotation"});
-  if (parameters.drift_bias) add(layout_.drift_bias, {"drift_bias"});
+  if (parameters.drive_rotation) {
+    add(layout_.drive_rotation, {"drive_rotation", "drive_rotation_phase"});
+  }
+  if (parameters.drift_bias) add(layout_.drift_bias, {"drift_bias", "quadrature_bias"});
   addHarmonics(layout_.even_harmonics, "drift", even_orders_);
   addHarmonics(layout_.odd_harmonics, "scale", odd_orders_);
-  if (parameters.sense_matrix) add(layout_.sense_mismatch, {"sense_mismatch", "sense_skew"});
+  if (parameters.sense_matrix) {
+    add(layout_.sense_mismatch,
+        {"sense_mismatch", "sense_skew", "sense_phase_mismatch", "sense_phase_skew"});
+  }
+  if (parameters.rotation_scale) add(layout_.rotation_scale, {"rotation_scale"});
   if (parameters.pickoff_cubic) add(layout_.pickoff_cubic, {"pickoff_cubic"});
   if (parameters.estimate_rotation) add(layout_.rotation_rate, {"rotation_rate"});
+  if (layout_.mismatch >= 0) {
+    entries_.push_back({layout_.mismatch, layout_.mismatch + 2});
+    entries_.push_back({layout_.mismatch + 1, layout_.mismatch + 3});
+  }
+  if (layout_.drive_rotation >= 0) {
+    entries_.push_back({layout_.drive_rotation, layout_.drive_rotation + 1});
+  }
   if (size() > kMostExtendedStates) {
     throw std::invalid_argument("extended: " + std::to_string(size()) + " states, at most " +
                                 std::to_string(kMostExtendedStates) + "; list fewer harmonics");
@@ -105,80 +111,68 @@ Complex ExtendedState::driveGain(const ExtendedVector& linear) const {
 }
 
 // Linear coordinates that differ from the physical ones: decay rate times gamma; re and im of
-// ks e^{-ip} in the places of ks and p; re and im of ks e^{-ip} (e + i q) in those of e and q; ks
-// times the rotation of the drive.
+// ks e^{-ip} in the places of ks and p, and of ks e^{-ip} times each entry of the drive matrix.
 ExtendedVector ExtendedState::physical(const ExtendedVector& linear) const {
   ExtendedVector result = linear;
-  const double decay = decayRate(linear);
-  result.segment<2>(layout_.gamma) /= decay;
+  result.segment<2>(layout_.gamma) /= decayRate(linear);
   const Complex gain = driveGain(linear);
   if (layout_.drive_phase >= 0) {
     result[layout_.drive_gain] = std::abs(gain);
     result[layout_.drive_phase] = -std::arg(gain);
-    for (int k = 0; k < 2; ++k) {
-      const int at = layout_.mismatch + k;
-      const Complex mismatch = Complex(linear[at], linear[at + 2]) / gain;
-      result[at] = mismatch.real();
-      result[at + 2] = mismatch.imag();
-    }
   }
-  if (layout_.drive_rotation >= 0) result[layout_.drive_rotation] /= std::abs(gain);
+  for (const Entry& entry : entries_) {
+    const Complex value = Complex(linear[entry.real], linear[entry.imaginary]) / gain;
+    result[entry.real] = value.real();
+    result[entry.imaginary] = value.imag();
+  }
   return result;
 }
 
 ExtendedVector ExtendedState::linear(const ExtendedVector& physical) const {
   ExtendedVector result = physical;
-  const double decay = layout_.decay_rate < 0 ? nominal_decay_rate_ : physical[layout_.decay_rate];
-  result.segment<2>(layout_.gamma) *= decay;
-  const double size = physical[layout_.drive_gain];
+  result.segment<2>(layout_.gamma) *=
+      layout_.decay_rate < 0 ? nominal_decay_rate_ : physical[layout_.decay_rate];
+  const double phase = layout_.drive_phase < 0 ? 0.0 : physical[layout_.drive_phase];
+  const Complex gain = std::polar(physical[layout_.drive_gain], -phase);
   if (layout_.drive_phase >= 0) {
-    const Complex gain = std::polar(size, -physical[layout_.drive_phase]);
     result[layout_.drive_gain] = gain.real();
     result[layout_.drive_phase] = gain.imag();
-    for (int k = 0; k < 2; ++k) {
-      const int at = layout_.mismatch + k;
-      const Complex entry = gain * Complex(physical[at], physical[at + 2]);
-      result[at] = entry.real();
-      result[at + 2] = entry.imag();
-    }
   }
-  if (layout_.drive_rotation >= 0) result[layout_.drive_rotation] *= size;
+  for (const Entry& entry : entries_) {
+    const Complex value = gain * Complex(physical[entry.real], physical[entry.imaginary]);
+    result[entry.real] = value.real();
+    result[entry.imaginary] = value.imag();
+  }
   return result;
 }
 
 ExtendedMatrix ExtendedState::linearByPhysical(const ExtendedVector& physical) const {
   ExtendedMatrix result = ExtendedMatrix::Identity(size(), size());
   const int decay_at = layout_.decay_rate;
-  const double decay = decay_at < 0 ? nominal_decay_rate_ : physical[decay_at];
   for (int k = 0; k < 2; ++k) {
-    result(layout_.gamma + k, layout_.gamma + k) = decay;
-    if (decay_at >= 0) result(layout_.gamma + k, decay_at) = physical[layout_.gamma + k];
+    const int at = layout_.gamma + k;
+    result(at, at) = decay_at < 0 ? nominal_decay_rate_ : physical[decay_at];
+    if (decay_at >= 0) result(at, decay_at) = physical[at];
   }
   const int gain_at = layout_.drive_gain;
-  const double size_of_gain = physical[gain_at];
-  if (layout_.drive_phase >= 0) {
-    const int phase_at = layout_.drive_phase;
-    const Complex direction = std::polar(1.0, -physical[phase_at]);
-    const Complex gain = size_of_gain * direction;
-    const Complex by_phase(gain.imag(), -gain.real());  // -i gain
-    const auto setRows = [&result](int re, int im, int column, Complex value) {
-      result(re, column) = value.real();
-      result(im, column) = value.imag();
-    };
+  const int phase_at = layout_.drive_phase;
+  const Complex direction = std::polar(1.0, phase_at < 0 ? 0.0 : -physical[phase_at]);
+  const Complex gain = physical[gain_at] * direction;
+  const Complex by_phase(gain.imag(), -gain.real());  // -i gain
+  const auto setRows = [&result](int real, int imaginary, int column, Complex value) {
+    result(real, column) = value.real();
+    result(imaginary, column) = value.imag();
+  };
+  if (phase_at >= 0) {
     setRows(gain_at, phase_at, gain_at, direction);
     setRows(gain_at, phase_at, phase_at, by_phase);
-    for (int k = 0; k < 2; ++k) {
-      const int at = layout_.mismatch + k;
-      const Complex mismatch(physical[at], physical[at + 2]);
-      setRows(at, at + 2, at, gain);
-      setRows(at, at + 2, at + 2, Complex(-gain.imag(), gain.real()));
-      setRows(at, at + 2, gain_at, direction * mismatch);
-      setRows(at, at + 2, phase_at, by_phase * mismatch);
-    }
   }
-  if (layout_.drive_rotation >= 0) {
-    result(layout_.drive_rotation, layout_.drive_rotation) = size_of_gain;
-    result(layout_.drive_rotation, gain_at) = physical[layout_.drive_rotation];
+  for (const Entry& entry : entries_) {
+    const Complex value(physical[entry.real], physical[entry.imaginary]);
+    setRows(entry.real, entry.imaginary, entry.real, gain);
+    setRows(entry.real, entry.imaginary, entry.imaginary, Complex(-gain.imag(), gain.real()));
+    setRows(entry.real, entry.imaginary, gain_at, direction * value);
+    if (phase_at >= 0) setRows(entry.real, entry.imaginary, phase_at, by_phase * value);
   }
   return result;
 }
@@ -193,34 +187,26 @@ ExtendedMatrix ExtendedState::physicalByLinear(const ExtendedVector& linear) con
     if (decay_at >= 0) result(at, decay_at) = -linear[at] / (decay * decay);
   }
   const int gain_at = layout_.drive_gain;
+  const int phase_at = layout_.drive_phase;
   const Complex gain = driveGain(linear);
   const double size_of_gain = std::abs(gain);
-  const Complex direction = gain / size_of_gain;
-  const int phase_at = layout_.drive_phase;
   if (phase_at >= 0) {
+    const Complex direction = gain / size_of_gain;
     result(gain_at, gain_at) = direction.real();
     result(gain_at, phase_at) = direction.imag();
     result(phase_at, gain_at) = direction.imag() / size_of_gain;
     result(phase_at, phase_at) = -direction.real() / size_of_gain;
-    for (int k = 0; k < 2; ++k) {
-      const int at = layout_.mismatch + k;
-      const Complex entry(linear[at], linear[at + 2]);
-      const Eigen::Matrix2d by_entry = realMatrix(1.0 / gain);
-      const Eigen::Matrix2d by_gain = realMatrix(-entry / (gain * gain));
-      for (int row = 0; row < 2; ++row) {
-        for (int column = 0; column < 2; ++column) {
-          result(at + 2 * row, at + 2 * column) = by_entry(row, column);
-          result(at + 2 * row, column == 0 ? gain_at : phase_at) = by_gain(row, column);
-        }
-      }
-    }
   }
-  if (layout_.drive_rotation >= 0) {
-    const int at = layout_.drive_rotation;
-    const double slope = -linear[at] / (size_of_gain * size_of_gain);
-    result(at, at) = 1.0 / size_of_gain;
-    result(at, gain_at) = slope * direction.real();
-    if (phase_at >= 0) result(at, phase_at) = slope * direction.imag();
+  const auto setRows = [&result](const Entry& entry, int column, Complex value) {
+    result(entry.real, column) = value.real();
+    result(entry.imaginary, column) = value.imag();
+  };
+  for (const Entry& entry : entries_) {
+    const Complex by_gain = -Complex(linear[entry.real], linear[entry.imaginary]) / (gain * gain);
+    setRows(entry, entry.real, 1.0 / gain);
+    setRows(entry, entry.imaginary, Complex(0.0, 1.0) / gain);
+    setRows(entry, gain_at, by_gain);
+    if (phase_at >= 0) setRows(entry, phase_at, Complex(0.0, 1.0) * by_gain);
   }
   return result;
 }

@@ -17,8 +17,9 @@ struct ExtendedParameters {
   bool frequency = true;          ///< f0
   bool drive_matrix = false;      ///< phase, gain and phase mismatch of drive times sense path
   bool drive_rotation = false;    ///< drive turned against the sense axes
-  bool drift_bias = false;        ///< drift that is the same at every angle
-  bool sense_matrix = false;      ///< gain mismatch of the sense path; needs a known rotation
+  bool drift_bias = false;        ///< drift and quadrature that are the same at every angle
+  bool sense_matrix = false;      ///< mismatch of the sense path; needs a known rotation
+  bool rotation_scale = false;    ///< scale of the known rotation: k beyond what it is told as
   bool pickoff_cubic = false;     ///< x reads x (1 + c x^2)
   bool estimate_rotation = false; ///< rotation of the case, instead of taking it as known
   std::vector<double> even_harmonics;  ///< orders of the drift in the pattern angle

@@ -50,11 +50,12 @@ class ExtendedState {
     int frequency = -1;
     int drive_phase = -1;
     int mismatch = -1;  // gain mismatch, gain skew, phase mismatch, phase skew
-    int drive_rotation = -1;
-    int drift_bias = -1;
+    int drive_rotation = -1;  // turn, phase of the turn
+    int drift_bias = -1;      // drift, quadrature
     int even_harmonics = -1;
     int odd_harmonics = -1;
-    int sense_mismatch = -1;  // mismatch, skew
+    int sense_mismatch = -1;  // as mismatch
+    int rotation_scale = -1;
     int pickoff_cubic = -1;
     int rotation_rate = -1;
   };
@@ -68,7 +69,14 @@ class ExtendedState {
   std::complex<double> driveGain(const ExtendedVector& linear) const;  ///< ks e^{-ip} [1/s^2]
 
  private:
+  // Places of the real and the imaginary part of an entry of the drive matrix.
+  struct Entry {
+    int real;
+    int imaginary;
+  };
+
   std::vector<std::string> names_;
+  std::vector<Entry> entries_;
   Layout layout_;
   std::vector<int> even_orders_;
   std::vector<int> odd_orders_;
