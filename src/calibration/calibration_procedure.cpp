@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kLeastSettling = 2.0;     // [s]
 constexpr double kTurnsOfALeg = 2.2;       // two whole turns, to tell turns from each other
+constexpr double kSignificance = 3.0;      // of the amplitude of an order, in sigmas
 constexpr double kLongestUnusable = 20.0;  // without a usable block [s]
 constexpr double kApproachRate = 0.1;      // of steering to the worst angle [rad/s]
 constexpr double kLongestWindow = 0.1;     // of the rate fits [s]
@@ -68,7 +69,8 @@ void keepEvenOrders(AngleHarmonics& function, std::int64_t highest) {
 ExtendedParameters withCalibratedGroups(ExtendedParameters parameters) {
   parameters.quality = parameters.frequency = true;
   parameters.drive_matrix = parameters.drift_bias = parameters.pickoff_cubic = true;
-  parameters.drive_rotation = parameters.sense_matrix = parameters.estimate_rotation = false;
+  parameters.drive_rotation = true;
+  parameters.sense_matrix = parameters.estimate_rotation = false;
   return parameters;
 }
 
@@ -293,6 +295,8 @@ void CalibrationProcedure::finishIdentification() {
   residual.phase = value("drive_phase");
   residual.mismatch = value("drive_mismatch");
   residual.skew = value("drive_skew");
+  residual.rotation = value("drive_rotation");
+  residual.rotation_phase = value("drive_rotation_phase");
   residual.phase_mismatch = value("phase_mismatch");
   residual.phase_skew = value("phase_skew");
   // What was identified is what the correction in force leaves.
@@ -316,7 +320,30 @@ void CalibrationProcedure::finishDriftRound(const RateHarmonics& forward,
   round.peak_to_peak = peakToPeak(round.measured);
   round.sigma = coefficientSigma(theta_, converter_.blockDuration()) / std::sqrt(2.0);
   calibration_.drift += round.measured;
+  round.total = calibration_.drift;
   result_.drift_rounds.push_back(std::move(round));
+  const auto rounds = static_cast<std::int64_t>(result_.drift_rounds.size());
+  if (rounds > 1 && rounds == parameters_.drift_rounds) poolDriftRounds();
+}
+
+/// The first round, whose drift may be too large for steering to cancel at once, only prepares.
+/// The others measured the same total: their mean, less the orders that noise alone would make.
+void CalibrationProcedure::poolDriftRounds() {
+  AngleHarmonics sum;
+  double weights = 0.0;
+  for (auto round = result_.drift_rounds.begin() + 1; round != result_.drift_rounds.end();
+       ++round) {
+    const double weight = 1.0 / (round->sigma * round->sigma);
+    sum += scaled(round->total, weight);
+    weights += weight;
+  }
+  calibration_.drift = scaled(sum, 1.0 / weights);
+  const double sigma = std::sqrt(1.0 / weights);
+  for (std::size_t i = 0; i < calibration_.drift.cosine.size(); ++i) {
+    double& cosine = calibration_.drift.cosine[i];
+    double& sine = calibration_.drift.sine[i];
+    if (std::hypot(cosine, sine) < kSignificance * sigma) cosine = sine = 0.0;
+  }
 }
 
 void CalibrationProcedure::finishTable(const RateHarmonics& forward,

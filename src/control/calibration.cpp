@@ -11,8 +11,9 @@ using Complex = std::complex<double>;
 Eigen::Matrix2cd DrivePath::matrix() const {
   const Complex along(mismatch, phase_mismatch);
   const Complex across(skew, phase_skew);
+  const Complex turned(rotation, rotation_phase);
   Eigen::Matrix2cd path;
-  path << 1.0 + along, across, across, 1.0 - along;
+  path << 1.0 + along, across + turned, across - turned, 1.0 - along;
   return std::polar(1.0, -phase) * path;
 }
 
@@ -20,7 +21,16 @@ DrivePath DrivePath::of(const Eigen::Matrix2cd& matrix) {
   const Complex common = 0.5 * matrix.trace();
   const Complex along = 0.5 * (matrix(0, 0) - matrix(1, 1)) / common;
   const Complex across = 0.5 * (matrix(0, 1) + matrix(1, 0)) / common;
-  return {-std::arg(common), along.real(), across.real(), along.imag(), across.imag()};
+  const Complex turned = 0.5 * (matrix(0, 1) - matrix(1, 0)) / common;
+  DrivePath path;
+  path.phase = -std::arg(common);
+  path.mismatch = along.real();
+  path.phase_mismatch = along.imag();
+  path.skew = across.real();
+  path.phase_skew = across.imag();
+  path.rotation = turned.real();
+  path.rotation_phase = turned.imag();
+  return path;
 }
 
 Eigen::Vector2cd Calibration::undistorted(const Eigen::Vector2cd& measured) const {
@@ -39,8 +49,8 @@ Eigen::Vector2cd Calibration::undistorted(const Eigen::Vector2cd& measured) cons
 Eigen::Matrix2cd Calibration::driveCorrection() const {
   DrivePath path = drive_path;
   if (!correct_phase) path.phase = 0.0;
-  if (!correct_drive_gains) path.mismatch = path.skew = 0.0;
-  if (!correct_phase_mismatch) path.phase_mismatch = path.phase_skew = 0.0;
+  if (!correct_drive_gains) path.mismatch = path.skew = path.rotation = 0.0;
+  if (!correct_phase_mismatch) path.phase_mismatch = path.phase_skew = path.rotation_phase = 0.0;
   return path.matrix().inverse();
 }
 
@@ -48,9 +58,9 @@ void Calibration::declare(ParameterTable& table) {
   table.flag("correct_pickoff", correct_pickoff, "undo the cubic of the pick-off")
       .flag("correct_phase", correct_phase, "advance the drive by drive_phase")
       .flag("correct_drive_gains", correct_drive_gains,
-            "turn the drive by the inverse of drive_mismatch and drive_skew")
+            "turn the drive by the inverse of mismatch, skew and rotation")
       .flag("correct_phase_mismatch", correct_phase_mismatch,
-            "turn the drive by the inverse of phase_mismatch and phase_skew")
+            "turn the drive by the inverse of their phases")
       .flag("cancel_damping", cancel_damping, "velocity feedback against gamma1 and gamma2")
       .flag("cancel_drift", cancel_drift, "steer against the drift that depends on the angle")
       .flag("map_angle", map_angle, "apply the angle map to the output angle")
@@ -61,11 +71,15 @@ void Calibration::declare(ParameterTable& table) {
       .number("drive_mismatch", drive_path.mismatch, "1", Range::between(-0.5, 0.5),
               "half the relative gain difference of x and y in that path")
       .number("drive_skew", drive_path.skew, "1", Range::between(-0.5, 0.5),
-              "cross gain in that path")
+              "symmetric cross gain in that path")
+      .number("drive_rotation", drive_path.rotation, "rad", Range::between(-0.5, 0.5),
+              "antisymmetric cross gain: the drive turned against the pick-off")
       .number("phase_mismatch", drive_path.phase_mismatch, "rad", Range::between(-0.5, 0.5),
               "half the phase by which x leads y in that path")
       .number("phase_skew", drive_path.phase_skew, "rad", Range::between(-0.5, 0.5),
-              "cross phase in that path")
+              "symmetric cross phase in that path")
+      .number("rotation_phase", drive_path.rotation_phase, "rad", Range::between(-0.5, 0.5),
+              "antisymmetric cross phase in that path")
       .number("gamma1", gamma1, "1", Range::between(-0.5, 0.5),
               "damping mismatch along the axes that is cancelled from the start")
       .number("gamma2", gamma2, "1", Range::between(-0.5, 0.5),

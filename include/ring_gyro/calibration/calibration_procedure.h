@@ -83,6 +83,7 @@ class CalibrationProcedure {
   void finishSurvey();
   void finishIdentification();
   void finishDriftRound(const RateHarmonics& forward, const RateHarmonics& backward);
+  void poolDriftRounds();
   void finishTable(const RateHarmonics& forward, const RateHarmonics& backward);
   void finishVerification(const RateHarmonics& forward, const RateHarmonics& backward);
   void aimAtWorstAngle();

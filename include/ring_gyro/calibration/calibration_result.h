@@ -19,6 +19,7 @@ struct IdentifiedParameter {
 /// Drift against angle, measured by steering one way and the other.
 struct DriftRound {
   AngleHarmonics measured;    ///< what the corrections in force left [rad/s]
+  AngleHarmonics total;       ///< with what they had cancelled [rad/s]
   double peak_to_peak = 0.0;  ///< of `measured` [rad/s]
   double sigma = 0.0;         ///< of a coefficient of `measured`, from turn to turn [rad/s]
 };

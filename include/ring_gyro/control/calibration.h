@@ -7,20 +7,25 @@
 
 namespace ring_gyro {
 
-/// How the path from the commanded drive to the measured motion departs from ks alone:
+/// How the path from the commanded drive to the measured motion departs from ks alone, the whole of
+/// what a linear error can do to it:
 ///
-///     e^{-i phase} [I + e1 S1 + e2 S2 + i (q1 S1 + q2 S2)],  S1 = diag(1, -1), S2 = offdiag(1, 1).
+///     e^{-i phase} [I + (mismatch + i phase_mismatch) S1 + (skew + i phase_skew) S2
+///                   + (rotation + i rotation_phase) J],
+///     S1 = diag(1, -1), S2 = offdiag(1, 1), J = [[0, 1], [-1, 0]].
 ///
 /// Drive and pick-off have a share in each; what acts on the loops is the product.
 struct DrivePath {
   double phase = 0.0;           ///< delay of both axes [rad]
   double mismatch = 0.0;        ///< half the relative gain difference of x and y
-  double skew = 0.0;            ///< cross gain
+  double skew = 0.0;            ///< cross gain, symmetric
+  double rotation = 0.0;        ///< of the drive against the pick-off, positive as J [rad]
   double phase_mismatch = 0.0;  ///< half the phase by which x leads y [rad]
-  double phase_skew = 0.0;      ///< cross phase [rad]
+  double phase_skew = 0.0;      ///< cross phase, symmetric [rad]
+  double rotation_phase = 0.0;  ///< cross phase, antisymmetric [rad]
 
   Eigen::Matrix2cd matrix() const;
-  /// The path whose matrix is nearest to a multiple of `matrix`.
+  /// The path whose matrix is a multiple of `matrix`, which must not be singular.
   static DrivePath of(const Eigen::Matrix2cd& matrix);
 };
 
@@ -34,8 +39,8 @@ struct DrivePath {
 struct Calibration {
   bool correct_pickoff = true;
   bool correct_phase = true;           ///< DrivePath::phase
-  bool correct_drive_gains = true;     ///< DrivePath::mismatch, skew
-  bool correct_phase_mismatch = true;  ///< DrivePath::phase_mismatch, phase_skew
+  bool correct_drive_gains = true;     ///< DrivePath::mismatch, skew, rotation
+  bool correct_phase_mismatch = true;  ///< and their phases
   bool cancel_damping = true;
   bool cancel_drift = true;
   bool map_angle = true;
