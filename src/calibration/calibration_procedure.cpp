@@ -74,6 +74,15 @@ ExtendedParameters withCalibratedGroups(ExtendedParameters parameters) {
   return parameters;
 }
 
+/// `sigma`: of a coefficient.
+void keepSignificantOrders(AngleHarmonics& function, double sigma) {
+  for (std::size_t i = 0; i < function.cosine.size(); ++i) {
+    if (std::hypot(function.cosine[i], function.sine[i]) < kSignificance * sigma) {
+      function.cosine[i] = function.sine[i] = 0.0;
+    }
+  }
+}
+
 AngleHarmonics scaled(AngleHarmonics function, double factor) {
   function.constant *= factor;
   for (double& value : function.cosine) value *= factor;
@@ -338,19 +347,15 @@ void CalibrationProcedure::poolDriftRounds() {
     weights += weight;
   }
   calibration_.drift = scaled(sum, 1.0 / weights);
-  const double sigma = std::sqrt(1.0 / weights);
-  for (std::size_t i = 0; i < calibration_.drift.cosine.size(); ++i) {
-    double& cosine = calibration_.drift.cosine[i];
-    double& sine = calibration_.drift.sine[i];
-    if (std::hypot(cosine, sine) < kSignificance * sigma) cosine = sine = 0.0;
-  }
+  keepSignificantOrders(calibration_.drift, std::sqrt(1.0 / weights));
 }
 
 void CalibrationProcedure::finishTable(const RateHarmonics& forward,
                                        const RateHarmonics& backward) {
-  const AngleHarmonics odd = oddPart(forward, backward);
+  AngleHarmonics odd = oddPart(forward, backward);
+  keepEvenOrders(odd, parameters_.highest_order);
+  keepSignificantOrders(odd, coefficientSigma(theta_, converter_.blockDuration()) / std::sqrt(2.0));
   calibration_.angle_map = angleMapOf(odd, static_cast<int>(parameters_.highest_order));
-  keepEvenOrders(calibration_.angle_map, parameters_.highest_order);
   result_.angle_map_measured = true;
   result_.angular_gain = angularGainOf(odd, parameters_.table_rate);
   result_.table_drift = evenPart(forward, backward);

@@ -35,13 +35,19 @@ DrivePath DrivePath::of(const Eigen::Matrix2cd& matrix) {
 
 Eigen::Vector2cd Calibration::undistorted(const Eigen::Vector2cd& measured) const {
   if (!correct_pickoff || pickoff_cubic == 0.0) return measured;
-  // Each turn takes the error down by 3/4 |cubic| |X|^2, which is a few percent at the most.
-  constexpr int kTurns = 10;
+  // Newton's steps for the size r of the motion in r + 3/4 cubic r^3 = size of the measured one.
+  constexpr int kSteps = 6;
+  const double cubic = 0.75 * pickoff_cubic;
   Eigen::Vector2cd envelope = measured;
-  for (int turn = 0; turn < kTurns; ++turn) {
-    for (int axis = 0; axis < 2; ++axis) {
-      envelope[axis] = measured[axis] / (1.0 + 0.75 * pickoff_cubic * std::norm(envelope[axis]));
+  for (Complex& axis : envelope) {
+    const double size = std::abs(axis);
+    if (size == 0.0) continue;
+    double motion = size;
+    for (int step = 0; step < kSteps; ++step) {
+      motion -= (motion + cubic * motion * motion * motion - size) /
+                (1.0 + 3.0 * cubic * motion * motion);
     }
+    axis *= motion / size;
   }
   return envelope;
 }

@@ -31,7 +31,7 @@ void SenseParameters::declare(ParameterTable& table) {
       .number("noise_density", noise_density, "V/sqrt(Hz)", Range::atLeast(0.0),
               "white noise of each pick-off, one-sided")
       .number("cubic", cubic, "1/V^2", Range::between(-0.3, 0.3),
-              "capacitive gap: a displacement x reads x (1 + cubic x^2)")
+              "capacitive gap: an electrode displaced by x reads x (1 + cubic x^2)")
       .number("feedthrough", feedthrough, "1", Range::between(-1.0, 1.0),
               "drive volt that appears in the pick-off, per volt")
       .integer("adc_bits", adc_bits, Range::between(0, 32), "0: ideal converter")

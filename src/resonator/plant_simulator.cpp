@@ -39,7 +39,6 @@ class PlantSimulator::Implementation {
         noise_(seed),
         adc_(parameters.sense.adc_bits, parameters.sense.adc_range),
         dac_(parameters.drive.dac_bits, parameters.drive.dac_range),
-        sense_gain_(parameters.sense.axes.gainMatrix()),
         drive_gain_(parameters.drive.axes.gainMatrix()),
         samples_(converter.block_samples),
         displacement_(static_cast<Eigen::Index>(
@@ -104,7 +103,7 @@ class PlantSimulator::Implementation {
         resonator_.analyticDisplacement(force_envelope_, end_phase_, command_.reference_frequency) *
         std::polar(1.0, -end_phase_);
     truth.rotation_rate = rotation_rate_;
-    truth.rotation_angle = rotation_.meanRate(0.0, time()) * time();
+    truth.rotation_angle = rotation_.meanRate(0.0, time()) * time() + table_angle_;
     const double temperature = p.temperature_rate * time();
     truth.natural_frequency =
         p.natural_frequency * (1.0 + p.frequency_temperature_coefficient * temperature);
@@ -127,7 +126,8 @@ class PlantSimulator::Implementation {
     const double duration = block_.stamp.duration();
     if (begun_) ++block_.stamp.sequence;
     begun_ = true;
-    rotation_rate_ = rotation_.meanRate(begin, begin + duration);
+    rotation_rate_ = rotation_.meanRate(begin, begin + duration) + command_.table_rate;
+    table_angle_ += command_.table_rate * duration;
     resonator_.setConditions(rotation_rate_, parameters_.resonator.temperature_rate * begin);
 
     block_.drive_answers_sequence = command_.answers_sequence;
@@ -186,7 +186,7 @@ class PlantSimulator::Implementation {
     const Eigen::Vector2d delays = parameters_.sense.axes.phaseDelays();
     const double w0 = parameters_.resonator.angularFrequency();
     const double h = converter_.samplePeriod();
-    const auto extra_rate = [&](double t) { return rotation_.rate(t) - rotation_rate_; };
+    const auto extra_rate = [&](double t) { return rotation_.rate(t) + command_.table_rate - rotation_rate_; };
     const Eigen::Vector2cd converted = delayed(command_.envelope, p.axes.phaseDelays());
     Eigen::Vector4d state = resonator_.state();
     SampleDrive drive;
@@ -233,13 +233,19 @@ class PlantSimulator::Implementation {
 
   void sense() {
     const SenseParameters& p = parameters_.sense;
-    if (p.cubic != 0.0) displacement_ += p.cubic * displacement_.cube();
     Eigen::Map<Eigen::ArrayXd> x(block_.x.data(), samples_);
     Eigen::Map<Eigen::ArrayXd> y(block_.y.data(), samples_);
     const auto first = displacement_.col(0).head(samples_);
     const auto second = displacement_.col(1).head(samples_);
-    x = sense_gain_(0, 0) * first + sense_gain_(0, 1) * second;
-    y = sense_gain_(1, 0) * first + sense_gain_(1, 1) * second;
+    x = first;
+    y = std::sin(p.axes.misalignment) * first + std::cos(p.axes.misalignment) * second;
+    // The gap of an electrode is that in its own direction.
+    if (p.cubic != 0.0) {
+      x += p.cubic * x.cube();
+      y += p.cubic * y.cube();
+    }
+    x *= p.axes.gain_x;
+    y *= p.axes.gain_y;
     if (p.feedthrough != 0.0) addFeedthrough(x, y);
     if (p.noise_density > 0.0) {
       noise_.addTo(block_.x.data(), block_.x.size(), p.noise_density * sample_sigma_);
@@ -271,7 +277,6 @@ class PlantSimulator::Implementation {
   NormalSource noise_;
   Converter adc_;
   Converter dac_;
-  Eigen::Matrix2d sense_gain_;
   Eigen::Matrix2d drive_gain_;
   Eigen::Index samples_;
   Eigen::Array<double, Eigen::Dynamic, 2> displacement_;
@@ -286,6 +291,7 @@ class PlantSimulator::Implementation {
   Eigen::Vector2cd force_envelope_ = Eigen::Vector2cd::Zero();
   double end_phase_ = 0.0;
   double rotation_rate_ = 0.0;
+  double table_angle_ = 0.0;  // through which the rate table has turned [rad]
   DisplacementBlock block_;
 };
 

@@ -29,7 +29,7 @@ struct CalibrationRunParameters {
   std::int64_t highest_order = 8;  ///< of drift and angle map in the pattern angle
   bool rate_table = true;          ///< stage two: the case can be turned
   double table_rate = 1.0;         ///< of the case while the angle map is measured [rad/s]
-  double table_time = 120.0;       ///< at each sign [s]
+  double table_time = 300.0;       ///< at each sign [s]
   std::vector<double> verification_rates = {0.0872664626, 0.2094395102, 0.6981317008};  ///< [rad/s]
   double verification_time = 150.0;  ///< at each rate and sign [s]
   double threshold_time = 60.0;      ///< of following twice the threshold [s]
