@@ -54,8 +54,8 @@ Run turn(const LoopConfiguration& configuration, double time,
   return run;
 }
 
-/// Largest slope of the harmonics in output - truth against the truth.
-double slopeError(const std::vector<const Run*>& runs) {
+/// Harmonics of output - truth against the truth.
+AngleHarmonics angleError(const std::vector<const Run*>& runs) {
   constexpr int kOrders = RateHarmonics::kCount;
   constexpr int kTerms = 2 * kOrders;
   // One unknown offset for each run: angles count from where they began.
@@ -83,9 +83,13 @@ double slopeError(const std::vector<const Run*>& runs) {
     error.cosine.push_back(solution[n]);
     error.sine.push_back(solution[kOrders + n]);
   }
+  return error;
+}
+
+double largestSlope(const AngleHarmonics& function) {
   double largest = 0.0;
   for (int i = 0; i < 1440; ++i) {
-    largest = std::max(largest, std::abs(error.slopeAt(kTwoPi * i / 1440)));
+    largest = std::max(largest, std::abs(function.slopeAt(kTwoPi * i / 1440)));
   }
   return largest;
 }
@@ -114,7 +118,8 @@ CalibrationJudgement judgeCalibration(LoopConfiguration configuration, double ra
   judgement.drift = evenPart(ahead, back);
   judgement.drift_peak_to_peak = peakToPeak(judgement.drift);
   judgement.threshold = std::abs(largestMagnitude(judgement.drift).value);
-  judgement.slope_error = slopeError({&forward, &backward});
+  judgement.angle_error = angleError({&forward, &backward});
+  judgement.slope_error = largestSlope(judgement.angle_error);
   return judgement;
 }
 

@@ -5,11 +5,13 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "configuration_options.h"
+#include "harmonics_json.h"
 #include "progress_bar.h"
 #include "ring_gyro/calibration/calibration_report.h"
 #include "ring_gyro/common/whole_file.h"
@@ -41,6 +43,42 @@ CalibrationResult calibrate(const LoopConfiguration& configuration) {
   }
 }
 
+/// What was measured, SI units; the corrections themselves are in the YAML.
+nlohmann::json jsonOf(const CalibrationResult& result) {
+  nlohmann::json json = {{"duration", result.duration},
+                         {"steering_rate", result.steering_rate},
+                         {"natural_frequency", result.natural_frequency},
+                         {"quality_factor", result.quality_factor},
+                         {"drive_gain", result.drive_gain},
+                         {"angular_gain", result.angular_gain},
+                         {"angle_map_measured", result.angle_map_measured},
+                         {"angle_map", jsonOf(result.calibration.angle_map)}};
+  for (const IdentifiedParameter& parameter : result.parameters) {
+    json["parameters"][parameter.name] = {{"value", parameter.value}, {"sigma", parameter.sigma}};
+  }
+  for (const DriftRound& round : result.drift_rounds) {
+    json["drift_rounds"].push_back({{"peak_to_peak", round.peak_to_peak},
+                                    {"sigma", round.sigma},
+                                    {"measured", jsonOf(round.measured)}});
+  }
+  for (const Verification& verification : result.verifications) {
+    json["verifications"].push_back({{"rate", verification.rate},
+                                     {"forward_peak", verification.forward_peak},
+                                     {"backward_peak", verification.backward_peak},
+                                     {"forward_scale", verification.forward_scale},
+                                     {"backward_scale", verification.backward_scale},
+                                     {"drift_peak_to_peak", verification.drift_peak_to_peak},
+                                     {"drift", jsonOf(verification.drift)}});
+  }
+  if (result.threshold) {
+    const ThresholdTest& test = *result.threshold;
+    json["threshold"] = {{"threshold", test.threshold}, {"worst_angle", test.worst_angle},
+                         {"rate", test.rate},           {"turned", test.turned},
+                         {"expected", test.expected},   {"followed", test.followed()}};
+  }
+  return json;
+}
+
 }  // namespace
 }  // namespace ring_gyro
 
@@ -49,10 +87,12 @@ int main(int argc, char** argv) {
   try {
     ConfigurationOptions configuration_options;
     std::string output_file;
+    std::string json_file;
     options::options_description description("calibrate");
     configuration_options.addTo(description);
     description.add_options()("help,h", "this text")("output,o", options::value(&output_file),
-                                                     "YAML of the calibration");
+                                                     "YAML of the calibration")(
+        "json", options::value(&json_file), "file for what was measured, in SI units");
     options::variables_map values;
     options::store(options::parse_command_line(argc, argv, description), values);
     options::notify(values);
@@ -63,6 +103,7 @@ int main(int argc, char** argv) {
     const LoopConfiguration configuration = configuration_options.read();
     const CalibrationResult result = calibrate(configuration);
     std::printf("\n%s", calibrationText(result).c_str());
+    if (!json_file.empty()) writeWholeFile(json_file, jsonOf(result).dump(1) + "\n");
     if (!output_file.empty()) {
       writeWholeFile(output_file, calibrationYaml(result, configuration.device));
       std::printf("\ncalibration in %s\n", output_file.c_str());

@@ -5,13 +5,16 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "configuration_options.h"
+#include "harmonics_json.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/simulation/calibration_judgement.h"
 
 namespace ring_gyro {
@@ -47,7 +50,21 @@ std::vector<Case> casesOf(const LoopConfiguration& whole, bool each_switch) {
   return cases;
 }
 
-void judge(const LoopConfiguration& whole, double time, bool each_switch) {
+nlohmann::json jsonOf(const std::string& name, const CalibrationJudgement& judged) {
+  return {{"case", name},
+          {"rate", judged.rate},
+          {"forward_peak", judged.forward_peak},
+          {"backward_peak", judged.backward_peak},
+          {"drift", jsonOf(judged.drift)},
+          {"drift_peak_to_peak", judged.drift_peak_to_peak},
+          {"threshold", judged.threshold},
+          {"angle_error", jsonOf(judged.angle_error)},
+          {"slope_error", judged.slope_error}};
+}
+
+/// Prints a row for each case and rate; the same as JSON, SI units.
+nlohmann::json judge(const LoopConfiguration& whole, double time, bool each_switch) {
+  nlohmann::json rows = nlohmann::json::array();
   std::printf("%-28s %13s %13s %13s %15s %17s %13s\n", "", "rate [deg/s]", "p-p + [deg/s]",
               "p-p - [deg/s]", "drift p-p [deg/s]", "threshold [deg/s]", "slope [ppm]");
   for (const Case& one : casesOf(whole, each_switch)) {
@@ -64,6 +81,7 @@ void judge(const LoopConfiguration& whole, double time, bool each_switch) {
       progress.clear();
       if (!failure.empty()) {
         std::printf("%-28s %13.4g %s\n", one.name.c_str(), toDegrees(rate), failure.c_str());
+        rows.push_back({{"case", one.name}, {"rate", rate}, {"failure", failure}});
         continue;
       }
       std::printf("%-28s %13.4g %13.6f %13.6f %15.6f %17.6f %13.2f\n", one.name.c_str(),
@@ -71,8 +89,10 @@ void judge(const LoopConfiguration& whole, double time, bool each_switch) {
                   toDegrees(judged.backward_peak), toDegrees(judged.drift_peak_to_peak),
                   toDegrees(judged.threshold), 1e6 * judged.slope_error);
       std::fflush(stdout);
+      rows.push_back(jsonOf(one.name, judged));
     }
   }
+  return rows;
 }
 
 }  // namespace
@@ -84,10 +104,12 @@ int main(int argc, char** argv) {
     ConfigurationOptions configuration_options;
     double time = 0.0;
     bool each_switch = false;
+    std::string json_file;
     options::options_description description("judge_calibration");
     configuration_options.addTo(description);
     description.add_options()("help,h", "this text")(
         "time", options::value(&time)->default_value(150.0), "at each rate and sign [s]")(
+        "json", options::value(&json_file), "file for the same in SI units")(
         "each-switch", options::bool_switch(&each_switch),
         "also with each part of the calibration switched off");
     options::variables_map values;
@@ -98,7 +120,8 @@ int main(int argc, char** argv) {
                 << description;
       return EXIT_SUCCESS;
     }
-    judge(configuration_options.read(), time, each_switch);
+    const nlohmann::json rows = judge(configuration_options.read(), time, each_switch);
+    if (!json_file.empty()) writeWholeFile(json_file, rows.dump(1) + "\n");
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -15,7 +15,8 @@ struct CalibrationJudgement {
   AngleHarmonics drift;             ///< even part of the output rate [rad/s]
   double drift_peak_to_peak = 0.0;  ///< [rad/s]
   double threshold = 0.0;           ///< largest |drift| over a turn, the constant included [rad/s]
-  /// Largest |d output angle / d true angle - 1| over a turn, both angles of the pattern.
+  AngleHarmonics angle_error;       ///< output angle less true angle of the pattern [rad]
+  /// Largest |d output angle / d true angle - 1| over a turn.
   double slope_error = 0.0;
 };
 

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "ring_gyro/common/angle_harmonics.h"
+
+namespace ring_gyro {
+
+inline nlohmann::json jsonOf(const AngleHarmonics& function) {
+  return {{"constant", function.constant}, {"cosine", function.cosine}, {"sine", function.sine}};
+}
+
+}  // namespace ring_gyro
