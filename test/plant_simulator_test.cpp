@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <limits>
 
 #include "reference_solution.h"
@@ -233,6 +235,106 @@ TEST(PlantSimulator, DacBitsNeedAHeldDrive) {
             1e-4);
 }
 
+// The samples of a plant from rest against the solver, which is given the volts of each moment.
+double squareLawError(bool held) {
+  PlantParameters p = paperPlant();
+  p.drive.bias_voltage = 25.0;
+  p.drive.zero_order_hold = held;
+  const ConverterParameters converter;
+  PlantSimulator plant(p, converter, 1, 1, kStart);
+  const ReferenceSolution solver(p.resonator);
+  ReferenceSolution::State reference = {};
+  plant.start();
+  using Real = ReferenceSolution::Real;
+  const Real h = 5e-6;
+  DriveCommand command;
+  command.reference_frequency = p.resonator.angularFrequency() + 4.0;
+  double largest = 0.0;
+  for (int block = 0; block < 50; ++block) {
+    command.reference_phase = 0.3 * block;
+    command.envelope = {Complex(4.0, 0.1 * block), Complex(-0.2 * block, 2.5)};
+    const DisplacementBlock& samples = plant.step(command);
+    for (int j = 0; j < 200; ++j) {
+      const auto index = static_cast<std::size_t>(j);
+      largest = std::max({largest, std::abs(samples.x[index] - static_cast<double>(reference[0])),
+                          std::abs(samples.y[index] - static_cast<double>(reference[1]))});
+      const auto force = [&](int axis, Real t) {
+        const Real turn =
+            command.reference_phase + Real(command.reference_frequency) * (held ? h * j : t);
+        const Real volts = Real(command.envelope[axis].real()) * std::cos(turn) -
+                           Real(command.envelope[axis].imag()) * std::sin(turn);
+        return volts + volts * volts / 50.0L;
+      };
+      solver.integrate(
+          reference, h * j, h * (j + 1), [&](Real t) { return force(0, t); },
+          [&](Real t) { return force(1, t); }, [](Real) { return 0.0L; });
+    }
+  }
+  return largest;
+}
+
+TEST(PlantSimulator, SquareLawOfTheDriveIsExactOnBothPaths) {
+  for (const bool held : {false, true}) {
+    const double error = squareLawError(held);
+    std::printf(
+        "[figure] square law at 25 V bias, %s drive, against ODE, 50 ms: %.2e V "
+        "(must 1e-11)\n",
+        held ? "held" : "ideal", error);
+    EXPECT_LT(error, 1e-11);
+  }
+}
+
+TEST(PlantSimulator, SquareLawMovesTheRestPosition) {
+  PlantParameters p = paperPlant();
+  const double w2 = std::pow(p.resonator.angularFrequency(), 2);
+  const auto meanOf = [](const PlantParameters& plant) {
+    Bench bench(plant);
+    bench.ringUp(kDrive, 10);
+    double sum = 0.0;  // over 14 cycles, a whole block at 14 kHz
+    for (const double sample : bench.drive(kDrive).x) sum += sample;
+    return sum / 200.0;
+  };
+  const double before = meanOf(p);
+  p.drive.bias_voltage = 25.0;
+  const double expected = p.resonator.drive_gain * 16.0 / (4.0 * 25.0) / w2;
+  EXPECT_NEAR((meanOf(p) - before) / expected, 1.0, 2e-3);
+}
+
+TEST(PlantSimulator, DriveAndResonatorHaveOneBias) {
+  PlantParameters p = paperPlant();
+  p.resonator.bias_voltage = 20.0;
+  p.drive.bias_voltage = 25.0;
+  EXPECT_THROW(PlantSimulator(p, {}, 1, 1, kStart), std::invalid_argument);
+}
+
+TEST(PlantSimulator, RateOfTheTableAtCommandIsARateOfTheProfile) {
+  PlantParameters p = paperPlant();
+  Bench commanded(p);
+  p.rotation.rate = 0.5;
+  Bench profile(p);
+  profile.ringUp(kDrive, 20);
+  commanded.plant().setRotationRate(0.0);
+  commanded.ringUp(kDrive, 10);
+  EXPECT_EQ(commanded.plant().truth().rotation_rate, 0.0);
+  commanded.plant().setRotationRate(0.5);
+  EXPECT_EQ(commanded.plant().truth().rotation_rate, 0.0) << "acts from the next block on";
+  commanded.ringUp(kDrive, 10);
+  EXPECT_EQ(commanded.plant().truth().rotation_rate, 0.5);
+  EXPECT_NEAR(commanded.plant().truth().rotation_angle, 0.5 * 10e-3, 1e-15);
+  // Block 0 and ten more at rest, ten that turn; the other turned all along.
+  PlantParameters still = paperPlant();
+  still.rotation.profile = "step";
+  still.rotation.rate = 0.5;
+  still.rotation.step_time = 11e-3;
+  Bench step(still);
+  step.ringUp(kDrive, 20);
+  const Eigen::Vector2cd truth = commanded.plant().truth().envelope;
+  EXPECT_LT((truth - step.plant().truth().envelope).norm(), 1e-15);
+  EXPECT_GT((truth - profile.plant().truth().envelope).norm(), 1e-6);
+  EXPECT_THROW(commanded.plant().setRotationRate(std::numeric_limits<double>::infinity()),
+               std::domain_error);
+}
+
 TEST(PlantSimulator, ExactAndSampledPathsAgree) {
   PlantParameters p = paperPlant();
   p.rotation.rate = 0.5;
@@ -256,15 +358,33 @@ TEST(PlantSimulator, TruthIsTheMotionOfTheSamples) {
   EXPECT_GT((seen - truth).norm(), 1e-4 * truth.norm());
 }
 
-TEST(PlantSimulator, TemperatureMovesFrequencyAndQ) {
+TEST(PlantSimulator, TemperatureMovesFrequencyQAndGamma) {
   PlantParameters p = paperPlant();
   p.resonator.temperature_rate = 2.0;
   p.resonator.frequency_temperature_coefficient = -20e-6;
   p.resonator.quality_temperature_coefficient = -1e-3;
+  p.resonator.gamma_temperature_coefficient = 5e-3;
   Bench bench(p);
   for (int n = 0; n < 999; ++n) bench.drive(kDrive);
   EXPECT_NEAR(bench.plant().truth().natural_frequency, 14000.0 * (1.0 - 40e-6), 1e-9);
   EXPECT_NEAR(bench.plant().truth().quality_factor, 22000.0 * (1.0 - 2e-3), 1e-6);
+  EXPECT_NEAR(bench.plant().truth().gamma1, 0.02 * 1.01, 1e-12);
+  EXPECT_NEAR(bench.plant().truth().gamma2, 0.03 * 1.01, 1e-12);
+}
+
+// Decay along an axis goes with 1 + gamma1: a ring whose gamma changed is one that always had it.
+TEST(PlantSimulator, GammaOfTheTemperatureActs) {
+  PlantParameters warm = paperPlant();
+  warm.resonator.temperature_rate = 1.0;
+  Bench unmoved(warm);
+  warm.resonator.gamma_temperature_coefficient = 0.01;  // from 0.02 to 0.02 (1 + 0.01 t)
+  Bench moved(warm);
+  unmoved.ringUp({4.0, 0.0});
+  moved.ringUp({4.0, 0.0});
+  const double before = std::abs(unmoved.plant().truth().envelope[0]);
+  const double after = std::abs(moved.plant().truth().envelope[0]);
+  EXPECT_LT(after, before - 1e-8);
+  EXPECT_NEAR(after / before, 1.0, 1e-4);
 }
 
 TEST(ResonatorParameters, DriveGainFromTheCapacitors) {

@@ -18,8 +18,10 @@ class ReferenceSolution {
   using State = std::array<Real, 4>;  // x, y, x', y'
   using Signal = std::function<Real(Real)>;
 
-  explicit ReferenceSolution(const ResonatorParameters& parameters, Real tolerance = 1e-15L)
-      : parameters_(parameters), tolerance_(tolerance) {}
+  /// `gap_cubic`: a drive f acts as f (1 + gap_cubic u^2) at the displacement u of its axis.
+  explicit ReferenceSolution(const ResonatorParameters& parameters, Real tolerance = 1e-15L,
+                             Real gap_cubic = 0.0L)
+      : parameters_(parameters), tolerance_(tolerance), gap_cubic_(gap_cubic) {}
 
   /// Moves `state` from t0 to t1 under drives fx, fy [V] and a rotation rate [rad/s] given in time.
   void integrate(State& state, Real t0, Real t1, const Signal& fx, const Signal& fy,
@@ -34,9 +36,13 @@ class ReferenceSolution {
       const Real cubic = p.cubic_stiffness * (u[0] * u[0] + u[1] * u[1]);
       du[0] = u[2];
       du[1] = u[3];
-      du[2] = gain * fx(t) + coriolis * u[3] - damping * ((1 + p.gamma1) * u[2] + p.gamma2 * u[3]) -
+      const Real gap_x = 1 + gap_cubic_ * u[0] * u[0];
+      const Real gap_y = 1 + gap_cubic_ * u[1] * u[1];
+      du[2] = gain * fx(t) * gap_x + coriolis * u[3] -
+              damping * ((1 + p.gamma1) * u[2] + p.gamma2 * u[3]) -
               w0 * w0 * ((1 + p.mu1 + cubic) * u[0] + p.mu2 * u[1]);
-      du[3] = gain * fy(t) - coriolis * u[2] - damping * (p.gamma2 * u[2] + (1 - p.gamma1) * u[3]) -
+      du[3] = gain * fy(t) * gap_y - coriolis * u[2] -
+              damping * (p.gamma2 * u[2] + (1 - p.gamma1) * u[3]) -
               w0 * w0 * (p.mu2 * u[0] + (1 - p.mu1 + cubic) * u[1]);
     };
     using Stepper = odeint::runge_kutta_fehlberg78<State, Real>;
@@ -47,6 +53,7 @@ class ReferenceSolution {
  private:
   ResonatorParameters parameters_;
   Real tolerance_;
+  Real gap_cubic_;
 };
 
 /// Largest difference of displacements and of velocities over w0, relative to the amplitude.

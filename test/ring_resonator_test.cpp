@@ -44,8 +44,9 @@ BlockDrive randomDrive(std::mt19937& random, double natural_frequency) {
           2.0 * unit(random)};
 }
 
-// Drive, frequency and rate change every millisecond for a second.
-TEST(RingResonator, IsExactAgainstAnOdeSolver) {
+// Error against the solver when drive, frequency and rate change every millisecond; a drive f acts
+// as f + quadratic f^2.
+double blockError(double quadratic, int blocks) {
   const ResonatorParameters p = paperRing();
   RingResonator ring(p);
   const ReferenceSolution solver(p);
@@ -55,23 +56,39 @@ TEST(RingResonator, IsExactAgainstAnOdeSolver) {
   ring.setState({1.0, 0.2, -0.1 * w0, 0.3 * w0});
   ReferenceSolution::State reference = {1.0L, 0.2L, Real(-0.1 * w0), Real(0.3 * w0)};
   double largest = 0.0;
-  for (int block = 0; block < 1000; ++block) {
+  for (int block = 0; block < blocks; ++block) {
     const BlockDrive drive = randomDrive(random, p.natural_frequency);
+    DriveForce acting = drive.envelope;
+    acting.constant = 0.5 * quadratic * drive.envelope.cwiseAbs2();
+    acting.second = 0.5 * quadratic * drive.envelope.cwiseProduct(drive.envelope);
     ring.setConditions(drive.rate, 0.0);
-    ring.propagate(drive.envelope, drive.phase, drive.frequency, duration);
+    ring.propagate(acting, drive.phase, drive.frequency, duration);
     const auto force = [&](int axis, Real t) {
       const Real turn = drive.phase + Real(drive.frequency) * t;
-      return Real(drive.envelope[axis].real()) * std::cos(turn) -
-             Real(drive.envelope[axis].imag()) * std::sin(turn);
+      const Real volts = Real(drive.envelope[axis].real()) * std::cos(turn) -
+                         Real(drive.envelope[axis].imag()) * std::sin(turn);
+      return volts + Real(quadratic) * volts * volts;
     };
     solver.integrate(
         reference, 0.0L, Real(duration), [&](Real t) { return force(0, t); },
         [&](Real t) { return force(1, t); }, [&](Real) { return Real(drive.rate); });
     largest = std::max(largest, relativeError(reference, ring.state().data(), w0, 1.0));
   }
+  return largest;
+}
+
+TEST(RingResonator, IsExactAgainstAnOdeSolver) {
+  const double error = blockError(0.0, 1000);
   std::printf("[figure] plant against ODE reference, 1 s, relative: %.2e (must 1e-9, aim 1e-11)\n",
-              largest);
-  EXPECT_LT(largest, 1e-11);
+              error);
+  EXPECT_LT(error, 1e-11);
+}
+
+TEST(RingResonator, IsExactWithTheSquareOfTheDrive) {
+  const double error = blockError(0.02, 300);
+  std::printf("[figure] with the square law of a 25 V bias, 0.3 s, relative: %.2e (must 1e-11)\n",
+              error);
+  EXPECT_LT(error, 1e-11);
 }
 
 TEST(RingResonator, SamplesOfABlockLieOnItsMotion) {
@@ -105,7 +122,7 @@ TEST(RingResonator, DecaysAtItsDampingRatio) {
   RingResonator ring(p);
   ring.setState({1.0, 0.0, 0.0, 0.0});
   for (int block = 0; block < 500; ++block) {
-    ring.propagate(Eigen::Vector2cd::Zero(), 0.0, p.angularFrequency(), 1e-3);
+    ring.propagate(DriveForce(), 0.0, p.angularFrequency(), 1e-3);
   }
   EXPECT_NEAR(ring.freeEnvelope(ring.state()).norm(), std::exp(-0.5 * p.decayRate()), 1e-9);
 }
@@ -122,34 +139,38 @@ TEST(RingResonator, SteadyResponseHasTheGainOfEquation34) {
 
 TEST(RingResonator, RefusesAReferenceFarOffTheResonance) {
   RingResonator ring(paperRing());
-  EXPECT_THROW(ring.propagate({1.0, 0.0}, 0.0, kTwoPi * 4000.0, 1e-3), std::domain_error);
+  EXPECT_THROW(ring.propagate(Eigen::Vector2cd(1.0, 0.0), 0.0, kTwoPi * 4000.0, 1e-3),
+               std::domain_error);
 }
 
-// What the block solution leaves out, against the solver, over a second.
-double sampledError(const ResonatorParameters& p, double amplitude, double frequency) {
+// What the block solution leaves out, against the solver, over a second: `amplitude` [rad/s] and
+// `frequency` [Hz] of the rate.
+double sampledError(const ResonatorParameters& p, double gap_cubic, double amplitude,
+                    double frequency) {
   const Real h = 5e-6;
   const double w0 = p.angularFrequency();
   RingResonator ring(p);
-  SampledResonator sampled(p, h);
+  SampledResonator sampled(p, gap_cubic, 5e-6);
   sampled.setLinear(ring);
-  const ReferenceSolution solver(p);
+  const ReferenceSolution solver(p, 1e-15L, gap_cubic);
   Eigen::Vector4d state(1.0, 0.1, 0.0, 0.2 * w0);
   ReferenceSolution::State reference = {1.0L, 0.1L, 0.0L, Real(0.2 * w0)};
   SampleDrive drive;
-  drive.envelope = {Complex(3.0, 0.5), Complex(-1.0, 2.0)};
-  drive.frequency = w0 + 3.0;
+  const double reference_frequency = w0 + 3.0;
+  drive.force = Eigen::Vector2cd(Complex(3.0, 0.5), Complex(-1.0, 2.0));
+  drive.forced = ring.steadyMotion(drive.force, reference_frequency);
   const auto rate = [&](double t) { return amplitude * std::sin(kTwoPi * frequency * t); };
   double largest = 0.0;
   for (int j = 0; j < 200000; ++j) {
-    const double t = h * j;
+    const double t = static_cast<double>(h * j);
     drive.phase =
-        static_cast<double>(std::fmod(Real(drive.frequency) * h * j, 2.0L * std::acos(-1.0L)));
-    state = sampled.step(ring, state, drive, t, rate);
+        static_cast<double>(std::fmod(Real(reference_frequency) * h * j, 2.0L * std::acos(-1.0L)));
+    state = sampled.step(state, drive, t, rate);
     if ((j + 1) % 20000 != 0) continue;
     const auto force = [&](int axis, Real at) {
-      const Real turn = Real(drive.frequency) * at;
-      return Real(drive.envelope[axis].real()) * std::cos(turn) -
-             Real(drive.envelope[axis].imag()) * std::sin(turn);
+      const Real turn = Real(reference_frequency) * at;
+      return Real(drive.force.fundamental[axis].real()) * std::cos(turn) -
+             Real(drive.force.fundamental[axis].imag()) * std::sin(turn);
     };
     solver.integrate(
         reference, Real(h) * (j - 19999), Real(h) * (j + 1), [&](Real at) { return force(0, at); },
@@ -162,8 +183,73 @@ double sampledError(const ResonatorParameters& p, double amplitude, double frequ
   return largest;
 }
 
+// Held drives, new ones at each sample, by `move(state, x, y)` of a sample, for 50 ms.
+template <typename Move>
+double heldError(const ResonatorParameters& p, double gap_cubic, const Move& move) {
+  const Real h = 5e-6;
+  const double w0 = p.angularFrequency();
+  const ReferenceSolution solver(p, 1e-15L, gap_cubic);
+  Eigen::Vector4d state(1.0, 0.1, 0.0, 0.2 * w0);
+  ReferenceSolution::State reference = {1.0L, 0.1L, 0.0L, Real(0.2 * w0)};
+  double largest = 0.0;
+  for (int j = 0; j < 10000; ++j) {
+    const Eigen::Vector2d value(3.0 * std::cos(0.44 * j), 2.0 * std::sin(0.44 * j) + 0.1);
+    move(state, value);
+    solver.integrate(
+        reference, Real(h) * j, Real(h) * (j + 1), [&](Real) { return Real(value[0]); },
+        [&](Real) { return Real(value[1]); }, [](Real) { return 0.3L; });
+    largest = std::max(largest, relativeError(reference, state.data(), w0, 1.0));
+  }
+  return largest;
+}
+
+TEST(SampledResonator, HeldDriveIsExact) {
+  const ResonatorParameters p = paperRing();
+  RingResonator ring(p);
+  ring.setConditions(0.3, 0.0);
+  SampledResonator sampled(p, 0.0, 5e-6);
+  sampled.setLinear(ring);
+  ASSERT_TRUE(sampled.isLinear());
+  const double error = heldError(p, 0.0, [&](Eigen::Vector4d& state, const Eigen::Vector2d& value) {
+    const Eigen::Vector4d before = state;
+    double x = 0.0;
+    double y = 0.0;
+    sampled.moveHeld(state, &value[0], &value[1], 1, {0.0, 0.5 * kPi}, &x, &y);
+    ASSERT_NEAR(x, before[0], 1e-15);
+    ASSERT_NEAR(y, -before[3] / p.angularFrequency(), 1e-15);
+  });
+  std::printf("[figure] held drive against ODE, 50 ms: %.2e (must 1e-11)\n", error);
+  EXPECT_LT(error, 1e-11);
+}
+
+TEST(SampledResonator, HeldDriveInAGapThatCloses) {
+  const ResonatorParameters p = paperRing();
+  RingResonator ring(p);
+  ring.setConditions(0.3, 0.0);
+  SampledResonator sampled(p, 0.06, 5e-6);
+  sampled.setLinear(ring);
+  ASSERT_FALSE(sampled.isLinear());
+  SampleDrive drive;
+  drive.held = true;
+  const double error =
+      heldError(p, 0.06, [&](Eigen::Vector4d& state, const Eigen::Vector2d& value) {
+        drive.value = value;
+        state = sampled.step(state, drive, 0.0, [](double) { return 0.0; });
+      });
+  std::printf("[figure] held drive in a gap that closes against ODE, 50 ms: %.2e (must 1e-8)\n",
+              error);
+  EXPECT_LT(error, 1e-8);
+}
+
+TEST(SampledResonator, DriveInAGapThatCloses) {
+  const double error = sampledError(paperRing(), 0.06, 0.0, 0.0);
+  std::printf("[figure] gap that closes by 6 %% at 1 V against ODE, 1 s: %.2e (must 1e-7)\n",
+              error);
+  EXPECT_LT(error, 1e-7);
+}
+
 TEST(SampledResonator, RateThatVariesWithinABlock) {
-  const double error = sampledError(paperRing(), 5.0, 50.0);
+  const double error = sampledError(paperRing(), 0.0, 5.0, 50.0);
   std::printf("[figure] rate varying within a block against ODE, 1 s: %.2e (must 1e-7)\n", error);
   EXPECT_LT(error, 1e-7);
 }
@@ -171,7 +257,7 @@ TEST(SampledResonator, RateThatVariesWithinABlock) {
 TEST(SampledResonator, CubicStiffness) {
   ResonatorParameters p = paperRing();
   p.cubic_stiffness = 2e-4;  // shifts the frequency by about 1 Hz at 1 V
-  const double error = sampledError(p, 0.0, 0.0);
+  const double error = sampledError(p, 0.0, 0.0, 0.0);
   std::printf("[figure] cubic stiffness against ODE, 1 s: %.2e (must 1e-7)\n", error);
   EXPECT_LT(error, 1e-7);
 }

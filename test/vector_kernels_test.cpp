@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <random>
@@ -63,6 +64,58 @@ TEST(VectorKernels, MixDownTurnsBothAxesBack) {
     ASSERT_NEAR(std::abs(Complex(xr[j], xi[j]) - x[j] * turn), 0.0, 2e-14);
     ASSERT_NEAR(std::abs(Complex(yr[j], yi[j]) - y[j] * turn), 0.0, 2e-14);
   }
+}
+
+TEST(VectorKernels, PhasorIsAddedAtEachStep) {
+  std::vector<double> out = randomNumbers(9);
+  const std::vector<double> before = out;
+  addPhasor(0.3, -1.2, 0.44, kCount, out.data());
+  for (std::size_t j = 0; j < kCount; ++j) {
+    const Complex turned = Complex(0.3, -1.2) * std::polar(1.0, 0.44 * static_cast<double>(j));
+    ASSERT_NEAR(out[j] - before[j], turned.real(), 2e-14);
+  }
+}
+
+TEST(VectorKernels, QuantiseRoundsAndCountsWhatLiesBeyond) {
+  std::vector<double> values = randomNumbers(10);
+  const std::vector<double> before = values;
+  const double step = 1.0 / 64.0;
+  std::size_t beyond = 0;
+  quantise(step, -0.5, 0.5 - step, kCount, values.data());
+  for (std::size_t j = 0; j < kCount; ++j) {
+    const double level = std::nearbyint(before[j] / step) * step;
+    if (level < -0.5 || level > 0.5 - step) ++beyond;
+    ASSERT_EQ(values[j], std::min(std::max(level, -0.5), 0.5 - step));
+  }
+  values = before;
+  EXPECT_EQ(quantise(step, -0.5, 0.5 - step, kCount, values.data()), beyond);
+  EXPECT_GT(beyond, 50u);
+}
+
+TEST(VectorKernels, RecurrenceIsItsDefinition) {
+  const std::vector<double> numbers = randomNumbers(11);
+  const std::vector<double> p = randomNumbers(12);
+  const std::vector<double> q = randomNumbers(13);
+  LinearRecurrence recurrence;
+  for (std::size_t k = 0; k < 16; ++k) recurrence.flow[k] = 0.4 * numbers[k];
+  for (std::size_t k = 0; k < 8; ++k) recurrence.input[k] = numbers[16 + k];
+  for (std::size_t k = 0; k < 4; ++k) recurrence.output[k] = numbers[24 + k];
+  double state[4] = {1.0, -2.0, 0.5, 0.25};
+  double expected[4] = {1.0, -2.0, 0.5, 0.25};
+  std::vector<double> first(kCount), second(kCount);
+  runRecurrence(recurrence, state, p.data(), q.data(), kCount, first.data(), second.data());
+  const double* out = recurrence.output;
+  for (std::size_t j = 0; j < kCount; ++j) {
+    ASSERT_NEAR(first[j], out[0] * expected[0] + out[2] * expected[2], 1e-13);
+    ASSERT_NEAR(second[j], out[1] * expected[1] + out[3] * expected[3], 1e-13);
+    double next[4];
+    for (std::size_t row = 0; row < 4; ++row) {
+      next[row] = recurrence.input[row] * p[j] + recurrence.input[4 + row] * q[j];
+      for (std::size_t k = 0; k < 4; ++k) next[row] += recurrence.flow[4 * k + row] * expected[k];
+    }
+    std::copy(next, next + 4, expected);
+  }
+  for (std::size_t row = 0; row < 4; ++row) EXPECT_NEAR(state[row], expected[row], 1e-13);
 }
 
 TEST(VectorKernels, WeightedSumIsTheScalarProduct) {

@@ -1,6 +1,7 @@
 #include "ring_gyro/common/vector_kernels.h"
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "ring_gyro/common/vector_dispatch.h"
@@ -12,6 +13,9 @@ namespace {
 using Lanes = double __attribute__((vector_size(64)));
 constexpr std::size_t kWidth = sizeof(Lanes) / sizeof(double);
 static_assert(kKernelLanes == 2 * kWidth);
+
+using Masks = std::int64_t __attribute__((vector_size(64)));
+using Four = double __attribute__((vector_size(32)));
 
 inline void load(const double* from, Lanes& lanes) { std::memcpy(&lanes, from, sizeof lanes); }
 inline void store(const Lanes& lanes, double* to) { std::memcpy(to, &lanes, sizeof lanes); }
@@ -76,6 +80,75 @@ void mixDown(const double* x, const double* y, double phase, double step, std::s
     sine = sine * c_step + cosine * s_step;
     cosine = turned;
   }
+}
+
+RING_GYRO_VECTOR_CLONES
+void addPhasor(double real, double imaginary, double step, std::size_t count, double* out) {
+  double c[kWidth];
+  double s[kWidth];
+  c[0] = real;
+  s[0] = imaginary;
+  const double c_one = std::cos(step);
+  const double s_one = std::sin(step);
+  for (std::size_t l = 1; l < kWidth; ++l) {
+    c[l] = c[l - 1] * c_one - s[l - 1] * s_one;
+    s[l] = s[l - 1] * c_one + c[l - 1] * s_one;
+  }
+  Lanes cosine, sine;
+  load(c, cosine);
+  load(s, sine);
+  const double c_step = std::cos(step * static_cast<double>(kWidth));
+  const double s_step = std::sin(step * static_cast<double>(kWidth));
+  for (std::size_t j = 0; j < count; j += kWidth) {
+    Lanes values;
+    load(out + j, values);
+    store(values + cosine, out + j);
+    const Lanes turned = cosine * c_step - sine * s_step;
+    sine = sine * c_step + cosine * s_step;
+    cosine = turned;
+  }
+}
+
+RING_GYRO_VECTOR_CLONES
+std::size_t quantise(double step, double lowest, double highest, std::size_t count,
+                     double* values) {
+  constexpr double kRound = 6755399441055744.0;  // 1.5 2^52: what is added to it loses its fraction
+  const double inverse = 1.0 / step;
+  const Lanes low = Lanes{} + lowest;
+  const Lanes high = Lanes{} + highest;
+  Masks beyond{};
+  for (std::size_t j = 0; j < count; j += kWidth) {
+    Lanes value;
+    load(values + j, value);
+    Lanes level = ((value * inverse + kRound) - kRound) * step;
+    const Masks under = level < low;
+    const Masks over = level > high;
+    level = under ? low : level;
+    level = over ? high : level;
+    beyond += under + over;  // a true lane is -1
+    store(level, values + j);
+  }
+  std::int64_t sum = 0;
+  for (std::size_t l = 0; l < kWidth; ++l) sum -= beyond[l];
+  return static_cast<std::size_t>(sum);
+}
+
+RING_GYRO_VECTOR_CLONES
+void runRecurrence(const LinearRecurrence& recurrence, double* state, const double* p,
+                   const double* q, std::size_t count, double* first, double* second) {
+  Four column[4], input[2], output, s;
+  for (std::size_t k = 0; k < 4; ++k) std::memcpy(&column[k], recurrence.flow + 4 * k, sizeof s);
+  for (std::size_t k = 0; k < 2; ++k) std::memcpy(&input[k], recurrence.input + 4 * k, sizeof s);
+  std::memcpy(&output, recurrence.output, sizeof s);
+  std::memcpy(&s, state, sizeof s);
+  for (std::size_t j = 0; j < count; ++j) {
+    const Four read = output * s;
+    first[j] = read[0] + read[2];
+    second[j] = read[1] + read[3];
+    const Four forced = input[0] * p[j] + input[1] * q[j];
+    s = (column[0] * s[0] + column[1] * s[1]) + (column[2] * s[2] + (column[3] * s[3] + forced));
+  }
+  std::memcpy(state, &s, sizeof s);
 }
 
 RING_GYRO_VECTOR_CLONES

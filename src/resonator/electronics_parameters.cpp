@@ -45,6 +45,11 @@ void DriveParameters::declare(ParameterTable& table) {
               "white noise of each drive, one-sided")
       .number("cubic", cubic, "1/V^2", Range::between(-0.01, 0.01),
               "a drive f acts as f (1 + cubic f^2)")
+      .number("bias_voltage", bias_voltage, "V", Range::atLeast(0.0),
+              "DC bias of the drive electrodes, whose square law makes a drive f act as f + f^2 / "
+              "(2 bias_voltage); 0: linear")
+      .number("gap_cubic", gap_cubic, "1/V^2", Range::between(-0.3, 0.3),
+              "gap that closes: at displacement x a drive f acts as f (1 + gap_cubic x^2)")
       .flag("zero_order_hold", zero_order_hold,
             "hold each converter sample (delays by half a sample) instead of an ideal modulator")
       .integer("dac_bits", dac_bits, Range::between(0, 32),

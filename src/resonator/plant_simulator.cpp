@@ -1,5 +1,6 @@
 #include "ring_gyro/resonator/plant_simulator.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -21,6 +22,13 @@ Eigen::Vector2cd delayed(const Eigen::Vector2cd& envelope, const Eigen::Vector2d
 }
 
 PlantParameters withTuning(PlantParameters parameters) {
+  const double bias = parameters.resonator.bias_voltage;
+  if (bias > 0.0 && parameters.drive.bias_voltage > 0.0 && bias != parameters.drive.bias_voltage) {
+    throw std::invalid_argument(
+        "drive: bias_voltage = " + std::to_string(parameters.drive.bias_voltage) +
+        " V is not the resonator's bias_voltage = " + std::to_string(bias) +
+        " V; the drive electrodes have one bias: give both the same");
+  }
   parameters.resonator = parameters.resonator.tuned();
   return parameters;
 }
@@ -34,7 +42,7 @@ class PlantSimulator::Implementation {
       : parameters_(withTuning(parameters)),
         converter_(converter),
         resonator_(parameters_.resonator),
-        sampled_(parameters_.resonator, converter.samplePeriod()),
+        sampled_(parameters_.resonator, parameters.drive.gap_cubic, converter.samplePeriod()),
         rotation_(parameters.rotation),
         noise_(seed),
         adc_(parameters.sense.adc_bits, parameters.sense.adc_range),
@@ -43,7 +51,9 @@ class PlantSimulator::Implementation {
         samples_(converter.block_samples),
         displacement_(static_cast<Eigen::Index>(
                           paddedToLanes(static_cast<std::size_t>(converter.block_samples))),
-                      2) {
+                      2),
+        seen_(displacement_.rows(), 2),
+        volts_(displacement_.rows(), 2) {
     if (parameters.drive.dac_bits > 0 && !parameters.drive.zero_order_hold) {
       throw std::invalid_argument("drive: dac_bits = " + std::to_string(parameters.drive.dac_bits) +
                                   " needs a held drive; set zero_order_hold: true, or dac_bits: 0");
@@ -61,12 +71,14 @@ class PlantSimulator::Implementation {
 
     const double w0 = parameters_.resonator.angularFrequency();
     const double h = converter.samplePeriod();
-    const Eigen::Index padded = displacement_.rows();
+    const Eigen::Index rows = displacement_.rows();
     displacement_.setZero();
-    cosine_.resize(padded);
-    sine_.resize(padded);
-    share_.resize(padded);
-    for (Eigen::Index j = 0; j < padded; ++j) {
+    seen_.setZero();
+    volts_.setZero();
+    cosine_.resize(rows);
+    sine_.resize(rows);
+    share_.resize(rows);
+    for (Eigen::Index j = 0; j < rows; ++j) {
       const double turn = w0 * h * static_cast<double>(j);
       cosine_[j] = std::cos(turn);
       sine_[j] = std::sin(turn);
@@ -95,22 +107,30 @@ class PlantSimulator::Implementation {
     return advance();
   }
 
+  void setRotationRate(double rate) {
+    if (!std::isfinite(rate)) {
+      throw std::domain_error("rotation: a commanded rate is not finite; give a rate in rad/s");
+    }
+    commanded_rate_ = rate;
+  }
+
   PlantTruth truth() const {
     const ResonatorParameters& p = parameters_.resonator;
     PlantTruth truth;
     truth.stamp = block_.stamp;
     truth.envelope =
-        resonator_.analyticDisplacement(force_envelope_, end_phase_, command_.reference_frequency) *
+        resonator_.analyticDisplacement(force_, end_phase_, command_.reference_frequency) *
         std::polar(1.0, -end_phase_);
     truth.rotation_rate = rotation_rate_;
-    truth.rotation_angle = rotation_.meanRate(0.0, time()) * time() + table_angle_;
+    truth.rotation_angle = rotation_.meanRate(0.0, time()) * time() + commanded_angle_;
     const double temperature = p.temperature_rate * time();
     truth.natural_frequency =
         p.natural_frequency * (1.0 + p.frequency_temperature_coefficient * temperature);
     truth.quality_factor =
         p.quality_factor * (1.0 + p.quality_temperature_coefficient * temperature);
-    truth.gamma1 = p.gamma1;
-    truth.gamma2 = p.gamma2;
+    const double gamma_change = 1.0 + p.gamma_temperature_coefficient * temperature;
+    truth.gamma1 = p.gamma1 * gamma_change;
+    truth.gamma2 = p.gamma2 * gamma_change;
     truth.mu1 = p.mu1;
     truth.mu2 = p.mu2;
     truth.drive_gain = resonator_.driveGain();
@@ -126,8 +146,9 @@ class PlantSimulator::Implementation {
     const double duration = block_.stamp.duration();
     if (begun_) ++block_.stamp.sequence;
     begun_ = true;
-    rotation_rate_ = rotation_.meanRate(begin, begin + duration) + command_.table_rate;
-    table_angle_ += command_.table_rate * duration;
+    const double profile_rate = rotation_.meanRate(begin, begin + duration);
+    rotation_rate_ = profile_rate + commanded_rate_;
+    commanded_angle_ += commanded_rate_ * duration;
     resonator_.setConditions(rotation_rate_, parameters_.resonator.temperature_rate * begin);
 
     block_.drive_answers_sequence = command_.answers_sequence;
@@ -136,14 +157,15 @@ class PlantSimulator::Implementation {
     end_phase_ =
         std::remainder(command_.reference_phase + command_.reference_frequency * duration, kTwoPi);
 
-    force_envelope_ = realisedDrive();
-    const bool exact = !parameters_.drive.zero_order_hold &&
-                       parameters_.resonator.cubic_stiffness == 0.0 &&
-                       rotation_.isConstant(begin, begin + duration);
-    if (exact) {
-      moveBlock(duration);
+    force_ = realisedDrive();
+    const bool held = parameters_.drive.zero_order_hold;
+    if (held) holdDrive();
+    if (!sampled_.isLinear() || !rotation_.isConstant(begin, begin + duration)) {
+      integrateSamples(begin, profile_rate);
+    } else if (held) {
+      moveHeld();
     } else {
-      moveSamples(begin);
+      moveBlock(duration);
     }
     kickByNoise(duration);
     sense();
@@ -152,19 +174,28 @@ class PlantSimulator::Implementation {
 
   // Drive that reaches the ring from an ideal modulator. A cubic error acts on the fundamental by
   // 3/4 of itself; its third harmonic is far from the resonance.
-  Eigen::Vector2cd realisedDrive() const {
+  DriveForce realisedDrive() const {
     const DriveParameters& p = parameters_.drive;
     Eigen::Vector2cd envelope = command_.envelope;
-    if (p.cubic != 0.0 && !p.zero_order_hold) {
+    if (p.cubic != 0.0) {
       for (Complex& axis : envelope) axis *= 1.0 + 0.75 * p.cubic * std::norm(axis);
     }
-    return drive_gain_.cast<Complex>() * delayed(envelope, p.axes.phaseDelays());
+    const Eigen::Vector2cd volts = delayed(envelope, p.axes.phaseDelays());
+    DriveForce force = Eigen::Vector2cd(drive_gain_.cast<Complex>() * volts);
+    if (p.bias_voltage > 0.0) {
+      // Re[F e^{i psi}]^2 = (|F|^2 + Re[F^2 e^{2 i psi}]) / 2.
+      const double share = 0.25 / p.bias_voltage;
+      force.constant = drive_gain_ * (share * volts.cwiseAbs2());
+      force.second = drive_gain_.cast<Complex>() * (share * volts.cwiseProduct(volts));
+    }
+    return force;
   }
 
   void moveBlock(double duration) {
-    const BlockMotion& motion = resonator_.propagate(force_envelope_, command_.reference_phase,
+    const BlockMotion& motion = resonator_.propagate(force_, command_.reference_phase,
                                                      command_.reference_frequency, duration);
     const Eigen::Vector2d delays = parameters_.sense.axes.phaseDelays();
+    const double twice = motion.second_frequency / parameters_.resonator.angularFrequency();
     for (int axis = 0; axis < 2; ++axis) {
       const Complex delay = std::polar(1.0, -delays[axis]);
       std::array<double, BlockMotion::kMaxTerms> real;
@@ -174,49 +205,73 @@ class PlantSimulator::Implementation {
         real[k] = coefficient.real();
         imaginary[k] = coefficient.imag();
       }
+      double* samples = displacement_.col(axis).data();
       samplePhasorSeries(real.data(), imaginary.data(), motion.terms, share_.data(), cosine_.data(),
-                         sine_.data(), static_cast<std::size_t>(share_.size()),
-                         displacement_.col(axis).data());
+                         sine_.data(), padded(), samples);
+      if (force_.harmonic()) continue;
+      // What the phase delay, cos(delay) u - sin(delay) u' / w0, makes of them.
+      displacement_.col(axis) += delay.real() * motion.constant[axis];
+      const Complex second = motion.second[axis] * Complex(delay.real(), delay.imag() * twice);
+      addPhasor(second.real(), second.imag(), motion.second_frequency * converter_.samplePeriod(),
+                padded(), samples);
     }
   }
 
-  void moveSamples(double begin) {
+  void moveHeld() {
     sampled_.setLinear(resonator_);
-    const DriveParameters& p = parameters_.drive;
+    Eigen::Vector4d state = resonator_.state();
+    sampled_.moveHeld(state, volts_.col(0).data(), volts_.col(1).data(),
+                      static_cast<std::size_t>(samples_), parameters_.sense.axes.phaseDelays(),
+                      displacement_.col(0).data(), displacement_.col(1).data());
+    resonator_.setState(state);
+  }
+
+  void integrateSamples(double begin, double profile_rate) {
+    sampled_.setLinear(resonator_);
     const Eigen::Vector2d delays = parameters_.sense.axes.phaseDelays();
     const double w0 = parameters_.resonator.angularFrequency();
     const double h = converter_.samplePeriod();
-    const auto extra_rate = [&](double t) { return rotation_.rate(t) + command_.table_rate - rotation_rate_; };
-    const Eigen::Vector2cd converted = delayed(command_.envelope, p.axes.phaseDelays());
+    const auto extra_rate = [&](double t) { return rotation_.rate(t) - profile_rate; };
     Eigen::Vector4d state = resonator_.state();
     SampleDrive drive;
-    drive.held = p.zero_order_hold;
-    drive.envelope = force_envelope_;
-    drive.frequency = command_.reference_frequency;
+    drive.held = parameters_.drive.zero_order_hold;
+    drive.force = force_;
+    drive.forced = resonator_.steadyMotion(force_, command_.reference_frequency);
     for (Eigen::Index j = 0; j < samples_; ++j) {
       const double offset = h * static_cast<double>(j);
       drive.phase = command_.reference_phase + command_.reference_frequency * offset;
-      if (drive.held) drive.value = heldDrive(converted, drive.phase);
+      if (drive.held) drive.value = volts_.row(j).matrix().transpose();
       for (int axis = 0; axis < 2; ++axis) {
         displacement_(j, axis) =
             std::cos(delays[axis]) * state[axis] - std::sin(delays[axis]) * state[axis + 2] / w0;
       }
-      state = sampled_.step(resonator_, state, drive, begin + offset, extra_rate);
+      state = sampled_.step(state, drive, begin + offset, extra_rate);
     }
     resonator_.setState(state);
   }
 
-  Eigen::Vector2d heldDrive(const Eigen::Vector2cd& envelope, double phase) {
+  // The converter's volts over the block as they reach the axes of the ring.
+  void holdDrive() {
     const DriveParameters& p = parameters_.drive;
-    const Complex turn = std::polar(1.0, phase);
-    Eigen::Vector2d volts;
+    const Eigen::Vector2cd start = delayed(command_.envelope, p.axes.phaseDelays()) *
+                                   std::polar(1.0, command_.reference_phase);
+    const double step = command_.reference_frequency * converter_.samplePeriod();
+    volts_.setZero();
     for (int axis = 0; axis < 2; ++axis) {
-      std::uint32_t saturated = 0;
-      double value = dac_.convert((envelope[axis] * turn).real(), saturated);
-      if (p.noise_density > 0.0) value += p.noise_density * sample_sigma_ * noise_.next();
-      volts[axis] = value * (1.0 + p.cubic * value * value);
+      double* volts = volts_.col(axis).data();
+      addPhasor(start[axis].real(), start[axis].imag(), step, padded(), volts);
+      dac_.convert(volts, padded());
+      if (p.noise_density > 0.0) {
+        noise_.addTo(volts, static_cast<std::size_t>(samples_), p.noise_density * sample_sigma_);
+      }
     }
-    return drive_gain_ * volts;
+    if (p.cubic != 0.0) volts_ += p.cubic * volts_.cube();
+    if (p.bias_voltage > 0.0) volts_ += (0.5 / p.bias_voltage) * volts_.square();
+    if (drive_gain_.isIdentity(0.0)) return;
+    for (Eigen::Index j = 0; j < samples_; ++j) {
+      const Eigen::Vector2d force = drive_gain_ * volts_.row(j).matrix().transpose();
+      volts_.row(j) = force.transpose().array();
+    }
   }
 
   // White force over a block, spread by the vibration over displacement and velocity, less what the
@@ -233,41 +288,37 @@ class PlantSimulator::Implementation {
 
   void sense() {
     const SenseParameters& p = parameters_.sense;
-    Eigen::Map<Eigen::ArrayXd> x(block_.x.data(), samples_);
-    Eigen::Map<Eigen::ArrayXd> y(block_.y.data(), samples_);
-    const auto first = displacement_.col(0).head(samples_);
-    const auto second = displacement_.col(1).head(samples_);
-    x = first;
-    y = std::sin(p.axes.misalignment) * first + std::cos(p.axes.misalignment) * second;
+    const auto first = displacement_.col(0);
+    const auto second = displacement_.col(1);
+    seen_.col(0) = first;
+    seen_.col(1) = std::sin(p.axes.misalignment) * first + std::cos(p.axes.misalignment) * second;
     // The gap of an electrode is that in its own direction.
-    if (p.cubic != 0.0) {
-      x += p.cubic * x.cube();
-      y += p.cubic * y.cube();
+    if (p.cubic != 0.0) seen_ += p.cubic * seen_.cube();
+    seen_.col(0) *= p.axes.gain_x;
+    seen_.col(1) *= p.axes.gain_y;
+    if (p.feedthrough != 0.0) addFeedthrough();
+    const auto samples = static_cast<std::size_t>(samples_);
+    std::size_t saturated = 0;
+    for (int axis = 0; axis < 2; ++axis) {
+      double* values = seen_.col(axis).data();
+      if (p.noise_density > 0.0) noise_.addTo(values, samples, p.noise_density * sample_sigma_);
+      std::fill(values + samples, values + padded(), 0.0);  // behind the block nothing saturates
+      saturated += adc_.convert(values, padded());
+      std::copy(values, values + samples, (axis == 0 ? block_.x : block_.y).begin());
     }
-    x *= p.axes.gain_x;
-    y *= p.axes.gain_y;
-    if (p.feedthrough != 0.0) addFeedthrough(x, y);
-    if (p.noise_density > 0.0) {
-      noise_.addTo(block_.x.data(), block_.x.size(), p.noise_density * sample_sigma_);
-      noise_.addTo(block_.y.data(), block_.y.size(), p.noise_density * sample_sigma_);
-    }
-    block_.saturated_samples = 0;
-    if (!adc_.ideal()) {
-      for (double& sample : block_.x) sample = adc_.convert(sample, block_.saturated_samples);
-      for (double& sample : block_.y) sample = adc_.convert(sample, block_.saturated_samples);
+    block_.saturated_samples = static_cast<std::uint32_t>(saturated);
+  }
+
+  void addFeedthrough() {
+    const Eigen::Vector2cd leak = parameters_.sense.feedthrough * command_.envelope *
+                                  std::polar(1.0, command_.reference_phase);
+    const double step = command_.reference_frequency * converter_.samplePeriod();
+    for (int axis = 0; axis < 2; ++axis) {
+      addPhasor(leak[axis].real(), leak[axis].imag(), step, padded(), seen_.col(axis).data());
     }
   }
 
-  void addFeedthrough(Eigen::Map<Eigen::ArrayXd>& x, Eigen::Map<Eigen::ArrayXd>& y) const {
-    const Eigen::Vector2cd leak = parameters_.sense.feedthrough * command_.envelope;
-    const double step = command_.reference_frequency * converter_.samplePeriod();
-    for (Eigen::Index j = 0; j < samples_; ++j) {
-      const Complex turn =
-          std::polar(1.0, command_.reference_phase + step * static_cast<double>(j));
-      x[j] += (leak[0] * turn).real();
-      y[j] += (leak[1] * turn).real();
-    }
-  }
+  std::size_t padded() const { return static_cast<std::size_t>(displacement_.rows()); }
 
   PlantParameters parameters_;
   ConverterParameters converter_;
@@ -280,7 +331,9 @@ class PlantSimulator::Implementation {
   Eigen::Matrix2d drive_gain_;
   Eigen::Index samples_;
   Eigen::Array<double, Eigen::Dynamic, 2> displacement_;
-  Eigen::ArrayXd cosine_;  // of w0 at the sample times of a block
+  Eigen::Array<double, Eigen::Dynamic, 2> seen_;   // by the electronics
+  Eigen::Array<double, Eigen::Dynamic, 2> volts_;  // of a held drive
+  Eigen::ArrayXd cosine_;                          // of w0 at the sample times of a block
   Eigen::ArrayXd sine_;
   Eigen::ArrayXd share_;        // of the block at the sample times
   double sample_sigma_ = 0.0;   // of white noise with one-sided density 1, per sample
@@ -288,10 +341,11 @@ class PlantSimulator::Implementation {
   std::int64_t start_ns_ = 0;
   bool begun_ = false;
   DriveCommand command_;
-  Eigen::Vector2cd force_envelope_ = Eigen::Vector2cd::Zero();
+  DriveForce force_;
   double end_phase_ = 0.0;
   double rotation_rate_ = 0.0;
-  double table_angle_ = 0.0;  // through which the rate table has turned [rad]
+  double commanded_rate_ = 0.0;
+  double commanded_angle_ = 0.0;
   DisplacementBlock block_;
 };
 
@@ -309,6 +363,7 @@ const DisplacementBlock& PlantSimulator::step(const DriveCommand& command) {
   return implementation_->step(command);
 }
 const DisplacementBlock& PlantSimulator::coast() { return implementation_->coast(); }
+void PlantSimulator::setRotationRate(double rate) { implementation_->setRotationRate(rate); }
 PlantTruth PlantSimulator::truth() const { return implementation_->truth(); }
 
 }  // namespace ring_gyro

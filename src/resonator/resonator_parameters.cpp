@@ -104,7 +104,9 @@ void ResonatorParameters::declare(ParameterTable& table) {
       .number("frequency_temperature_coefficient", frequency_temperature_coefficient, "1/K",
               Range::between(-1e-2, 1e-2), "relative change of f0")
       .number("quality_temperature_coefficient", quality_temperature_coefficient, "1/K",
-              Range::between(-0.1, 0.1), "relative change of Q");
+              Range::between(-0.1, 0.1), "relative change of Q")
+      .number("gamma_temperature_coefficient", gamma_temperature_coefficient, "1/K",
+              Range::between(-0.1, 0.1), "relative change of gamma1 and gamma2");
 }
 
 }  // namespace ring_gyro

@@ -25,14 +25,18 @@ void RingResonator::setConditions(double rotation_rate, double temperature) {
 }
 
 void RingResonator::solveSolvent() {
+  ++condition_changes_;
   const ResonatorParameters& p = parameters_;
   angular_frequency_ =
       p.angularFrequency() * (1.0 + p.frequency_temperature_coefficient * temperature_);
   const double quality =
       p.quality_factor * (1.0 + p.quality_temperature_coefficient * temperature_);
   const double w0 = angular_frequency_;
+  const double gamma_change = 1.0 + p.gamma_temperature_coefficient * temperature_;
+  const double gamma1 = p.gamma1 * gamma_change;
+  const double gamma2 = p.gamma2 * gamma_change;
   Eigen::Matrix2d mismatch;
-  mismatch << 1.0 + p.gamma1, p.gamma2, p.gamma2, 1.0 - p.gamma1;
+  mismatch << 1.0 + gamma1, gamma2, gamma2, 1.0 - gamma1;
   Eigen::Matrix2d gyration;
   gyration << 0.0, -1.0, 1.0, 0.0;
   damping_ = w0 / quality * mismatch + 2.0 * p.angular_gain * rotation_rate_ * gyration;
@@ -64,6 +68,22 @@ Eigen::Vector2cd RingResonator::steadyResponse(const Eigen::Vector2cd& drive,
   return dynamic.inverse() * (drive_gain_ * drive);
 }
 
+ForcedMotion RingResonator::steadyMotion(const DriveForce& drive, double frequency) const {
+  ForcedMotion motion;
+  motion.frequency = frequency;
+  motion.fundamental = steadyResponse(drive.fundamental, frequency);
+  if (!drive.harmonic()) {
+    motion.constant = compliance() * drive.constant;
+    motion.second = steadyResponse(drive.second, 2.0 * frequency);
+  }
+  return motion;
+}
+
+Eigen::Matrix2d RingResonator::compliance() const {
+  const double w2 = angular_frequency_ * angular_frequency_;
+  return drive_gain_ * (stiffness_ + w2 * Eigen::Matrix2d::Identity()).inverse();
+}
+
 Eigen::Vector2cd RingResonator::freeEnvelope(const Eigen::Vector4d& state) const {
   const Eigen::Vector2d displacement = state.head<2>();
   const Eigen::Vector2d velocity = state.tail<2>();
@@ -71,22 +91,18 @@ Eigen::Vector2cd RingResonator::freeEnvelope(const Eigen::Vector4d& state) const
   return displacement.cast<Complex>() + kI * imaginary.cast<Complex>();
 }
 
-Eigen::Vector2cd RingResonator::analyticDisplacement(const Eigen::Vector2cd& drive, double phase,
+Eigen::Vector2cd RingResonator::analyticDisplacement(const DriveForce& drive, double phase,
                                                      double frequency) const {
-  const Eigen::Vector2cd forced = steadyResponse(drive, frequency) * std::polar(1.0, phase);
-  Eigen::Vector4d free = state_;
-  free.head<2>() -= forced.real();
-  free.tail<2>() -= ((kI * frequency) * forced).real();
-  return freeEnvelope(free) + forced;
+  const ForcedMotion forced = steadyMotion(drive, frequency);
+  return freeEnvelope(state_ - forced.at(phase)) + forced.fundamental * std::polar(1.0, phase);
 }
 
-const BlockMotion& RingResonator::propagate(const Eigen::Vector2cd& drive, double phase,
-                                            double frequency, double duration) {
+const BlockMotion& RingResonator::propagate(const DriveForce& drive, double phase, double frequency,
+                                            double duration) {
   const double w0 = parameters_.angularFrequency();  // the frame does not move with temperature
-  const Eigen::Vector2cd forced = steadyResponse(drive, frequency) * std::polar(1.0, phase);
-  Eigen::Vector4d free_state = state_;
-  free_state.head<2>() -= forced.real();
-  free_state.tail<2>() -= ((kI * frequency) * forced).real();
+  const ForcedMotion steady = steadyMotion(drive, frequency);
+  const Eigen::Vector4d free_state = state_ - steady.at(phase);
+  const Eigen::Vector2cd forced = steady.fundamental * std::polar(1.0, phase);
 
   // Power series of both slow motions in the frame that turns with w0.
   const Eigen::Matrix2cd step =
@@ -97,6 +113,9 @@ const BlockMotion& RingResonator::propagate(const Eigen::Vector2cd& drive, doubl
   const double scale = free_term.norm() + forced_term.norm();
   motion_.reference_frequency = w0;
   motion_.duration = duration;
+  motion_.constant = steady.constant;
+  motion_.second = steady.second * std::polar(1.0, 2.0 * phase);
+  motion_.second_frequency = 2.0 * frequency;
   motion_.coefficients[0] = free_term + forced_term;
   motion_.terms = 1;
   while (true) {
@@ -114,24 +133,39 @@ const BlockMotion& RingResonator::propagate(const Eigen::Vector2cd& drive, doubl
 
   // The end of the series is the new state: displacement and, by S and i w, velocity.
   const Complex turned = std::polar(1.0, w0 * duration);
-  Eigen::Vector2cd forced_end = forced * std::polar(1.0, frequency * duration);
   Eigen::Vector2cd end = Eigen::Vector2cd::Zero();
   for (int k = motion_.terms - 1; k >= 0; --k) end += motion_.coefficients[k];
   end *= turned;
+  const Complex forced_turn = std::polar(1.0, frequency * duration);
+  const Eigen::Vector2cd forced_end = forced * forced_turn;
+  const Eigen::Vector2cd second_end = motion_.second * (forced_turn * forced_turn);
   const Eigen::Vector2cd free_end = end - forced_end;
-  const Eigen::Vector2cd velocity =
-      slow_ * free_end + (kI * angular_frequency_) * free_end + (kI * frequency) * forced_end;
-  state_ << end.real(), velocity.real();
+  const Eigen::Vector2cd velocity = slow_ * free_end + (kI * angular_frequency_) * free_end +
+                                    (kI * frequency) * (forced_end + 2.0 * second_end);
+  state_ << end.real() + motion_.constant + second_end.real(), velocity.real();
   return motion_;
 }
 
-Eigen::Matrix4d RingResonator::systemMatrix() const {
-  Eigen::Matrix4d system = Eigen::Matrix4d::Zero();
-  system.topRightCorner<2, 2>().setIdentity();
-  system.bottomLeftCorner<2, 2>() =
-      -stiffness_ - angular_frequency_ * angular_frequency_ * Eigen::Matrix2d::Identity();
-  system.bottomRightCorner<2, 2>() = -damping_;
-  return system;
+Eigen::Matrix4d RingResonator::flow(double time) const {
+  // u = Re[z], v = Re[S z] and z = u + i Im(S)^-1 (Re(S) u - v), as in freeEnvelope.
+  const Eigen::Matrix2cd solvent = slow_ + (kI * angular_frequency_) * Eigen::Matrix2cd::Identity();
+  Eigen::Matrix<Complex, 2, 4> complexified;
+  complexified.leftCols<2>() = Eigen::Matrix2cd::Identity();
+  complexified.leftCols<2>() += kI * (inverse_imaginary_ * slow_.real()).cast<Complex>();
+  complexified.rightCols<2>() = -kI * inverse_imaginary_.cast<Complex>();
+
+  const Eigen::Matrix2cd step = time * slow_;
+  Eigen::Matrix2cd term = Eigen::Matrix2cd::Identity();
+  Eigen::Matrix2cd exponential = term;
+  for (int k = 1; k < BlockMotion::kMaxTerms && term.norm() > 1e-18; ++k) {
+    term = (term * step).eval() / static_cast<double>(k);
+    exponential += term;
+  }
+  exponential *= std::polar(1.0, angular_frequency_ * time);
+  const Eigen::Matrix<Complex, 2, 4> moved = exponential * complexified;
+  Eigen::Matrix4d flow;
+  flow << moved.real(), (solvent * moved).real();
+  return flow;
 }
 
 }  // namespace ring_gyro

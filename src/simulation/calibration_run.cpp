@@ -14,6 +14,7 @@ CalibrationRun::CalibrationRun(const LoopConfiguration& configuration)
       start_ns_(configuration.run.startNanoseconds()) {}
 
 CalibrationRun::Step CalibrationRun::step() {
+  if (started_) plant_.setRotationRate(output_->command.table_rate);
   const DisplacementBlock& block = started_ ? plant_.step(output_->command) : plant_.start();
   started_ = true;
   truth_ = plant_.truth();

@@ -23,6 +23,23 @@ void mixDown(const double* x, const double* y, double phase, double step, std::s
              double* mixed_x_real, double* mixed_x_imaginary, double* mixed_y_real,
              double* mixed_y_imaginary);
 
+/// out[j] += Re[(real + i imaginary) e^{i step j}].
+void addPhasor(double real, double imaginary, double step, std::size_t count, double* out);
+
+/// Rounds each value to the nearest multiple of `step`, within [lowest, highest]; gives the number
+/// of values that lay beyond.
+std::size_t quantise(double step, double lowest, double highest, std::size_t count, double* values);
+
+/// Four states s under two inputs, s <- flow s + input (p, q), flow and input by columns. The
+/// outputs are read before each step: out[0] s[0] + out[2] s[2] and out[1] s[1] + out[3] s[3].
+struct LinearRecurrence {
+  double flow[16];
+  double input[8];
+  double output[4];
+};
+void runRecurrence(const LinearRecurrence& recurrence, double* state, const double* p,
+                   const double* q, std::size_t count, double* first, double* second);
+
 /// Sum of weights[j] values[j], over kKernelLanes partial sums.
 double weightedSum(const double* weights, const double* values, std::size_t count);
 

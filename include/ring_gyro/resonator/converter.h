@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+
+#include "ring_gyro/common/vector_kernels.h"
 
 namespace ring_gyro {
 
@@ -16,19 +19,10 @@ class Converter {
 
   bool ideal() const { return ideal_; }
 
-  /// The level nearest to `value` [V]; counts it in `saturated` when it is beyond the range.
-  double convert(double value, std::uint32_t& saturated) const {
-    if (ideal_) return value;
-    const double level = std::nearbyint(value / step_) * step_;
-    if (level < lowest_) {
-      ++saturated;
-      return lowest_;
-    }
-    if (level > highest_) {
-      ++saturated;
-      return highest_;
-    }
-    return level;
+  /// Brings each of `count` values [V] (whole lanes of the kernels) to the level nearest to it and
+  /// gives the number of those that lay beyond the range.
+  std::size_t convert(double* values, std::size_t count) const {
+    return ideal_ ? 0 : quantise(step_, lowest_, highest_, count, values);
   }
 
  private:

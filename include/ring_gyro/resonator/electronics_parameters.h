@@ -38,8 +38,10 @@ struct SenseParameters {
 /// Drive: commanded envelope to force. All errors are off by default.
 struct DriveParameters {
   AxisErrors axes;
-  double noise_density = 0.0;    ///< white, one-sided [V/sqrt(Hz)]
-  double cubic = 0.0;            ///< amplitude error f (1 + cubic f^2) [1/V^2]
+  double noise_density = 0.0;  ///< white, one-sided [V/sqrt(Hz)]
+  double cubic = 0.0;          ///< amplitude error f (1 + cubic f^2) [1/V^2]
+  double bias_voltage = 0.0;   ///< square law (7)(8): f + f^2 / (2 bias_voltage); 0: linear [V]
+  double gap_cubic = 0.0;      ///< gap that closes: f (1 + gap_cubic x^2) at displacement x [1/V^2]
   bool zero_order_hold = false;  ///< hold each converter sample instead of an ideal modulator
   std::int64_t dac_bits = 0;     ///< 0: ideal; otherwise needs zero_order_hold
   double dac_range = 10.0;       ///< saturates at +- this [V]; only with dac_bits > 0

@@ -23,8 +23,8 @@ struct PlantTruth {
   double rotation_angle = 0.0;                           ///< since the start [rad]
   double natural_frequency = 0.0;                        ///< at the present temperature [Hz]
   double quality_factor = 0.0;                           ///< at the present temperature
-  double gamma1 = 0.0;
-  double gamma2 = 0.0;
+  double gamma1 = 0.0;                                   ///< at the present temperature
+  double gamma2 = 0.0;                                   ///< at the present temperature
   double mu1 = 0.0;
   double mu2 = 0.0;
   double drive_gain = 0.0;  ///< ks [1/s^2]
@@ -39,10 +39,11 @@ struct PlantParameters {
 
 /// The gyroscope and its electronics in the time domain, one block of samples a step.
 ///
-/// Linear resonator, ideal modulator, rate constant in the block: exact (RingResonator). Cubic
-/// stiffness, a rate that varies within the block, or a held drive: sample by sample on the exact
-/// linear flow (SampledResonator), error below 1e-7 over a second.
-/// Same seed, same commands: same samples.
+/// Linear resonator, rate constant in the block: exact, in one piece with an ideal modulator
+/// (RingResonator), sample by sample with a held drive. Cubic stiffness, a drive that grows with
+/// the displacement, or a rate that varies within the block: integrated sample by sample on the
+/// exact linear flow (SampledResonator), error below 1e-7 over a second. Same seed, same commands:
+/// same samples.
 class PlantSimulator {
  public:
   /// `start_ns`: time of the start of block 0 [ns], above zero. Throws std::invalid_argument naming
@@ -59,6 +60,11 @@ class PlantSimulator {
   const DisplacementBlock& step(const DriveCommand& command);
   /// The next block without a new command: envelope and frequency stay, the phase runs on.
   const DisplacementBlock& coast();
+
+  /// Rate of the case [rad/s] from the next block on, beside that of the rotation profile: a rate
+  /// table at command, constant over a block. A rate that is not finite is refused
+  /// (std::domain_error).
+  void setRotationRate(double rate);
 
   /// Truth at the end of the last block.
   PlantTruth truth() const;

@@ -42,6 +42,7 @@ struct ResonatorParameters {
   double temperature_rate = 0.0;                   ///< [K/s]
   double frequency_temperature_coefficient = 0.0;  ///< relative, of w0 [1/K]
   double quality_temperature_coefficient = 0.0;    ///< relative, of Q [1/K]
+  double gamma_temperature_coefficient = 0.0;      ///< relative, of gamma1 and gamma2 [1/K]
 
   double angularFrequency() const { return kTwoPi * natural_frequency; }    ///< w0 [rad/s]
   double dampingRatio() const { return 0.5 / quality_factor; }              ///< xi0

@@ -3,19 +3,25 @@
 #include <Eigen/Core>
 #include <array>
 #include <complex>
+#include <cstdint>
 
+#include "ring_gyro/resonator/drive_force.h"
 #include "ring_gyro/resonator/resonator_parameters.h"
 
 namespace ring_gyro {
 
 /// A phasor-modulated signal pair over one block: sample at time s after the block start is
-/// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k], exact to rounding.
+/// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k + second e^{i w_2 s}] + constant, exact to
+/// rounding. The last two are the response to the drive's square; zero without it.
 struct BlockMotion {
   static constexpr int kMaxTerms = 24;
   std::array<Eigen::Vector2cd, kMaxTerms> coefficients;
   int terms = 0;
   double reference_frequency = 0.0;  ///< w_ref [rad/s]
   double duration = 0.0;             ///< [s]
+  Eigen::Vector2d constant = Eigen::Vector2d::Zero();
+  Eigen::Vector2cd second = Eigen::Vector2cd::Zero();
+  double second_frequency = 0.0;  ///< w_2, twice that of the drive [rad/s]
 };
 
 /// The two modes of the ring as a linear system, solved exactly between drive updates.
@@ -23,7 +29,8 @@ struct BlockMotion {
 /// With M = [[1+m1, m2],[m2, 1-m1]] and C = 2 xi0 w0 G - 2 k Om J the equation u'' + C u' + w0^2 M
 /// u = ks f has the solution u(t) = Re[e^{S t} z + X_p e^{i psi}], where the 2x2 complex solvent S
 /// obeys S^2 + C S + w0^2 M = 0 (its conjugate is the other solvent) and X_p is the steady response
-/// to the drive phasor. S - i w0 is slow, so e^{(S - i w0) s} is a short power series over a block.
+/// to the drive phasor; those to a constant drive and to its second harmonic are added likewise. S
+/// - i w0 is slow, so e^{(S - i w0) s} is a short power series over a block.
 class RingResonator {
  public:
   explicit RingResonator(const ResonatorParameters& parameters);
@@ -35,12 +42,14 @@ class RingResonator {
 
   /// Sets the rate of the case [rad/s] and the temperature deviation [K] for what follows.
   void setConditions(double rotation_rate, double temperature);
+  /// Counts the changes of the conditions, from 1.
+  std::uint64_t conditionChanges() const { return condition_changes_; }
 
-  /// Motion over the next `duration` [s] under the drive f(t) = Re[drive e^{i(phase + w t)}] [V];
-  /// the state moves to its end.
+  /// Motion over the next `duration` [s] under the drive with the reference phase + w t; the state
+  /// moves to its end.
   /// Throws std::domain_error when the drive is so far from the resonance (or the block so long)
   /// that the series does not converge.
-  const BlockMotion& propagate(const Eigen::Vector2cd& drive, double phase, double frequency,
+  const BlockMotion& propagate(const DriveForce& drive, double phase, double frequency,
                                double duration);
 
   /// Complex displacement whose real part is the state's displacement: the free vibration with
@@ -49,14 +58,18 @@ class RingResonator {
 
   /// Steady response [V] to the drive phasor at `frequency` [rad/s].
   Eigen::Vector2cd steadyResponse(const Eigen::Vector2cd& drive, double frequency) const;
+  /// The same to all harmonics of a drive.
+  ForcedMotion steadyMotion(const DriveForce& drive, double frequency) const;
 
   /// Complex displacement at the present state, split into free and forced motion: the slow
-  /// envelope times e^{i psi}, free of 2 w ripple.
-  Eigen::Vector2cd analyticDisplacement(const Eigen::Vector2cd& drive, double phase,
+  /// envelope times e^{i psi}, free of 2 w ripple and of the response to the drive's square.
+  Eigen::Vector2cd analyticDisplacement(const DriveForce& drive, double phase,
                                         double frequency) const;
 
-  /// Matrix A of u' = A u + ks [0; f] at the present conditions.
-  Eigen::Matrix4d systemMatrix() const;
+  /// Matrix e^{A t} that moves the undriven state by a time t [s] of a few samples.
+  Eigen::Matrix4d flow(double time) const;
+  /// Displacement per volt of a constant drive.
+  Eigen::Matrix2d compliance() const;
   /// D = S - i w0 [1/s]: the free envelope against w0 goes with e^{D t}.
   const Eigen::Matrix2cd& slowMotion() const { return slow_; }
   double driveGain() const { return drive_gain_; }
@@ -68,6 +81,7 @@ class RingResonator {
   double drive_gain_;
   double rotation_rate_ = 0.0;
   double temperature_ = 0.0;
+  std::uint64_t condition_changes_ = 0;
   double angular_frequency_ = 0.0;     // w0 at the present temperature
   Eigen::Matrix2d damping_;            // C
   Eigen::Matrix2d stiffness_;          // w0^2 (M - 1)
