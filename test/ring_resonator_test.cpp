@@ -163,8 +163,10 @@ double sampledError(const ResonatorParameters& p, double gap_cubic, double ampli
   double largest = 0.0;
   for (int j = 0; j < 200000; ++j) {
     const double t = static_cast<double>(h * j);
-    drive.phase =
-        static_cast<double>(std::fmod(Real(reference_frequency) * h * j, 2.0L * std::acos(-1.0L)));
+    const Real turn = 2.0L * std::acos(-1.0L);
+    const Real phase = std::fmod(Real(reference_frequency) * h * j, turn);
+    drive.phase = static_cast<double>(phase);
+    drive.next_phase = static_cast<double>(phase + Real(reference_frequency) * h);
     state = sampled.step(state, drive, t, rate);
     if ((j + 1) % 20000 != 0) continue;
     const auto force = [&](int axis, Real at) {

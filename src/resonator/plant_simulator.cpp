@@ -239,7 +239,8 @@ class PlantSimulator::Implementation {
     drive.forced = resonator_.steadyMotion(force_, command_.reference_frequency);
     for (Eigen::Index j = 0; j < samples_; ++j) {
       const double offset = h * static_cast<double>(j);
-      drive.phase = command_.reference_phase + command_.reference_frequency * offset;
+      drive.phase = phaseAt(j);
+      drive.next_phase = phaseAt(j + 1);
       if (drive.held) drive.value = volts_.row(j).matrix().transpose();
       for (int axis = 0; axis < 2; ++axis) {
         displacement_(j, axis) =
@@ -248,6 +249,11 @@ class PlantSimulator::Implementation {
       state = sampled_.step(state, drive, begin + offset, extra_rate);
     }
     resonator_.setState(state);
+  }
+
+  double phaseAt(Eigen::Index sample) const {
+    return command_.reference_phase +
+           command_.reference_frequency * converter_.samplePeriod() * static_cast<double>(sample);
   }
 
   // The converter's volts over the block as they reach the axes of the ring.

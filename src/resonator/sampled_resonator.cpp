@@ -61,16 +61,14 @@ Eigen::Vector4d SampledResonator::rest(const Eigen::Vector4d& state, double extr
 Eigen::Vector4d SampledResonator::step(const Eigen::Vector4d& state, const SampleDrive& drive,
                                        double time,
                                        const std::function<double(double)>& extra_rate) const {
-  Eigen::Vector4d moved = state;
-  for (int k = 0; k < kSubsteps; ++k) {
-    const double offset = k * step_;
-    moved = substep(moved, drive, offset, time + offset, extra_rate);
-  }
-  return moved;
+  static_assert(kSubsteps == 2);
+  const double middle = 0.5 * (drive.phase + drive.next_phase);
+  const Eigen::Vector4d halfway = substep(state, drive, drive.phase, middle, time, extra_rate);
+  return substep(halfway, drive, middle, drive.next_phase, time + step_, extra_rate);
 }
 
 Eigen::Vector4d SampledResonator::substep(const Eigen::Vector4d& state, const SampleDrive& drive,
-                                          double offset, double time,
+                                          double phase, double next_phase, double time,
                                           const std::function<double(double)>& extra_rate) const {
   const double h = step_;
   const double rate_begin = extra_rate(time);
@@ -86,15 +84,14 @@ Eigen::Vector4d SampledResonator::substep(const Eigen::Vector4d& state, const Sa
     middle = half_ * state + held;
     end = half_ * middle + held;
   } else {
-    const double turn = 0.5 * h * drive.forced.frequency;
-    const double phase = drive.phase + offset * drive.forced.frequency;
-    const Eigen::Vector4d forced_middle = drive.forced.at(phase + turn);
+    const double middle_phase = 0.5 * (phase + next_phase);
+    const Eigen::Vector4d forced_middle = drive.forced.at(middle_phase);
     middle = half_ * (state - drive.forced.at(phase)) + forced_middle;
-    end = half_ * (middle - forced_middle) + drive.forced.at(phase + 2.0 * turn);
+    end = half_ * (middle - forced_middle) + drive.forced.at(next_phase);
     if (gap_cubic_ != 0.0) {
       volts_begin = drive.force.at(phase);
-      volts_middle = drive.force.at(phase + turn);
-      volts_end = drive.force.at(phase + 2.0 * turn);
+      volts_middle = drive.force.at(middle_phase);
+      volts_end = drive.force.at(next_phase);
     }
   }
 

@@ -17,7 +17,10 @@ struct SampleDrive {
   Eigen::Vector2d value = Eigen::Vector2d::Zero();  ///< held [V]
   DriveForce force;                                 ///< of the modulator
   ForcedMotion forced;                              ///< RingResonator::steadyMotion of `force`
-  double phase = 0.0;  ///< of the reference at the sample, a few turns at most [rad]
+  // Of the reference, a few turns at most [rad]. What ends one sample must begin the next to the
+  // last bit, or the rounding of the phase adds up.
+  double phase = 0.0;       ///< at the sample
+  double next_phase = 0.0;  ///< at the next one
 };
 
 /// Moves the state of a RingResonator sample by sample, with what its exact block solution leaves
@@ -51,8 +54,9 @@ class SampledResonator {
   // Two steps a sample keep a cubic stiffness that shifts f0 by 1e-4 below 1e-7 in a second.
   static constexpr int kSubsteps = 2;
 
-  Eigen::Vector4d substep(const Eigen::Vector4d& state, const SampleDrive& drive, double offset,
-                          double time, const std::function<double(double)>& extra_rate) const;
+  Eigen::Vector4d substep(const Eigen::Vector4d& state, const SampleDrive& drive, double phase,
+                          double next_phase, double time,
+                          const std::function<double(double)>& extra_rate) const;
   Eigen::Vector4d rest(const Eigen::Vector4d& state, double extra_rate,
                        const Eigen::Vector2d& volts) const;
 
