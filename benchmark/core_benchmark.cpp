@@ -3,9 +3,11 @@
 #include <benchmark/benchmark.h>
 
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include "filter_benchmark.h"
+#include "loop_benchmark.h"
 
 int main(int argc, char** argv) {
   using namespace ring_gyro;
@@ -29,6 +31,23 @@ int main(int argc, char** argv) {
   add(
       "filter_accuracy",
       [quick](benchmark::State& state) { filterAccuracy(state, quick ? 30000 : 300000); }, 1);
+  const std::string file = RING_GYRO_CONFIG_DIR "/paper_simulation.yaml";
+  add("plant", plantAgainstOdeint, quick ? 20 : 100);
+  add(
+      "closed_loop", [&file](benchmark::State& state) { loopAgainstPlain(state, file); },
+      quick ? 20 : 100);
+  for (const double period : {0.1, 0.001}) {
+    add(
+        period < 0.01 ? "chain_1kHz" : "chain_10Hz",
+        [&file, period](benchmark::State& state) { chainAgainstLoop(state, file, period); },
+        quick ? 50 : 400);
+  }
+  add(
+      "flat_cost",
+      [&file, quick](benchmark::State& state) {
+        oldAgainstYoung(state, file, quick ? 600.0 : 10800.0);
+      },
+      quick ? 50 : 400);
   benchmark::RunSpecifiedBenchmarks();
   return 0;
 }
