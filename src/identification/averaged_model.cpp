@@ -5,6 +5,8 @@
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/sine_cosine.h"
+#include "ring_gyro/common/vector_dispatch.h"
 
 namespace ring_gyro {
 namespace {
@@ -15,9 +17,9 @@ struct PatternDrive {
   std::complex<double> across;
 };
 
-PatternDrive turnDrive(double cosine, double sine, double phi, const Eigen::Vector2cd& drive) {
-  const double re = std::cos(phi);
-  const double im = -std::sin(phi);
+/// `re` + i `im`: E.
+PatternDrive turnDrive(double cosine, double sine, double re, double im,
+                       const Eigen::Vector2cd& drive) {
   // Written out: a std::complex product also checks for NaN, which costs more than it computes.
   const auto turn = [re, im](std::complex<double> z) {
     return std::complex<double>(re * z.real() - im * z.imag(), re * z.imag() + im * z.real());
@@ -38,6 +40,23 @@ struct AveragedModel::AxesDynamics {
   PatternDrive drive;
   Eigen::Vector2d force;            // rate of (a, b) per ks
   Eigen::Matrix2d force_by_angles;  // with respect to (theta, phi)
+
+  AxesDynamics(const AveragedModel& model, const Orbit& orbit, const AveragedInput& input)
+      : decay(model.decay_rate_) {
+    const SineCosine<2> angles = sineCosine<2>({orbit.theta, orbit.phi});
+    const double theta_cosine = angles.cosine[0];
+    const double theta_sine = angles.sine[0];
+    drive = turnDrive(theta_cosine, theta_sine, angles.cosine[1], -angles.sine[1], input.drive);
+    const double scale = 0.5 / input.reference_frequency;
+    coupling = scale * model.angular_frequency_ * model.angular_frequency_;
+    turning = scale * input.pattern_rate;
+    cosine = theta_cosine * theta_cosine - theta_sine * theta_sine;
+    sine = 2.0 * theta_cosine * theta_sine;
+    force << scale * drive.along.imag(), scale * drive.across.real();
+    // Turning the pattern turns F1 into F2 and F2 into -F1; turning phi multiplies both by -i.
+    force_by_angles << scale * drive.across.imag(), -scale * drive.along.real(),
+        -scale * drive.along.real(), scale * drive.across.imag();
+  }
 
   double alongAxes(double first, double second) const { return first * cosine + second * sine; }
   double acrossAxes(double first, double second) const { return second * cosine - first * sine; }
@@ -62,13 +81,18 @@ struct AveragedModel::AxesDynamics {
     return result;
   }
 
+  /// Rates with respect to what gamma, and w0 mu, are along and across the axes.
+  Eigen::Vector2d byGamma(const Eigen::Vector2d& axes) const {
+    return {-decay * (axes[0] + turning * axes[1]), decay * (axes[1] + turning * axes[0])};
+  }
+  Eigen::Vector2d byMu(const Eigen::Vector2d& axes) const {
+    return {coupling * (axes[1] - turning * axes[0]), -coupling * (axes[0] - turning * axes[1])};
+  }
+
   Eigen::Matrix<double, 2, 5> byParameters(const Eigen::Vector2d& axes) const {
-    const Eigen::Vector2d damped = decay * dampedAxes(axes);
-    const Eigen::Vector2d sprung = coupling * sprungAxes(axes);
     Eigen::Matrix<double, 2, 5> result;
-    result << -cosine * damped[0], -sine * damped[0], -sine * sprung[1], cosine * sprung[1],
-        force[0],  //
-        cosine * damped[1], sine * damped[1], sine * sprung[0], -cosine * sprung[0], force[1];
+    result << cosine * byGamma(axes), sine * byGamma(axes), -sine * byMu(axes), cosine * byMu(axes),
+        force;
     return result;
   }
 
@@ -102,29 +126,9 @@ AveragedModel::AveragedModel(double natural_frequency, double quality_factor)
   }
 }
 
-AveragedModel::AxesDynamics AveragedModel::axesDynamics(const Orbit& orbit,
-                                                        const AveragedInput& input) const {
-  const double cosine = std::cos(orbit.theta);
-  const double sine = std::sin(orbit.theta);
-  const PatternDrive drive = turnDrive(cosine, sine, orbit.phi, input.drive);
-  const double scale = 0.5 / input.reference_frequency;
-  AxesDynamics dynamics;
-  dynamics.decay = decay_rate_;
-  dynamics.coupling = scale * angular_frequency_ * angular_frequency_;
-  dynamics.turning = scale * input.pattern_rate;
-  dynamics.cosine = cosine * cosine - sine * sine;
-  dynamics.sine = 2.0 * cosine * sine;
-  dynamics.drive = drive;
-  dynamics.force << scale * drive.along.imag(), scale * drive.across.real();
-  // Turning the pattern turns F1 into F2 and F2 into -F1; turning phi multiplies both by -i.
-  dynamics.force_by_angles << scale * drive.across.imag(), -scale * drive.along.real(),
-      -scale * drive.along.real(), scale * drive.across.imag();
-  return dynamics;
-}
-
 OrbitRates AveragedModel::rates(const Orbit& orbit, const DeviceParameters& device,
                                 const AveragedInput& input) const {
-  const AxesDynamics dynamics = axesDynamics(orbit, input);
+  const AxesDynamics dynamics(*this, orbit, input);
   const PatternDrive& drive = dynamics.drive;
   const double a = orbit.a;
   const double b = orbit.b;
@@ -154,7 +158,7 @@ OrbitRates AveragedModel::rates(const Orbit& orbit, const DeviceParameters& devi
 
 AxesRates AveragedModel::axesRates(const Orbit& orbit, const DeviceParameters& device,
                                    const AveragedInput& input) const {
-  const AxesDynamics dynamics = axesDynamics(orbit, input);
+  const AxesDynamics dynamics(*this, orbit, input);
   const Eigen::Vector2d axes(orbit.a, orbit.b);
   AxesRates result;
   result.by_axes = dynamics.matrix(device);
@@ -164,9 +168,10 @@ AxesRates AveragedModel::axesRates(const Orbit& orbit, const DeviceParameters& d
   return result;
 }
 
-AxesStep AveragedModel::axesStep(const Orbit& orbit, const DeviceParameters& device,
-                                 const AveragedInput& input, double duration) const {
-  const AxesDynamics dynamics = axesDynamics(orbit, input);
+RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN AxesStep
+AveragedModel::axesStep(const Orbit& orbit, const DeviceParameters& device,
+                        const AveragedInput& input, double duration) const {
+  const AxesDynamics dynamics(*this, orbit, input);
   const Eigen::Vector2d axes(orbit.a, orbit.b);
   const Eigen::Matrix2d matrix = dynamics.matrix(device);
   const Eigen::Vector2d force = device.drive_gain * dynamics.force;
@@ -174,11 +179,21 @@ AxesStep AveragedModel::axesStep(const Orbit& orbit, const DeviceParameters& dev
 
   AxesStep step;
   step.axes = axes + duration * (matrix * middle + force);
-  step.by_axes = duration * matrix * (Eigen::Matrix2d::Identity() + 0.5 * duration * matrix);
+  const Eigen::Matrix2d half = 0.5 * duration * matrix;
+  step.by_axes = duration * matrix + duration * matrix * half;
   step.by_axes.diagonal().array() += 1.0;
   step.rate_by_angles = dynamics.byAngles(axes, device);
-  step.by_parameters = duration * (dynamics.byParameters(middle) +
-                                   0.5 * duration * matrix * dynamics.byParameters(axes));
+  // Of the step: h (P(middle) + h/2 M P(axes)), column by column of P, which has only three.
+  const auto ofStep = [&](const Eigen::Vector2d& at_middle, const Eigen::Vector2d& at_start) {
+    return Eigen::Vector2d(duration * (at_middle + half * at_start));
+  };
+  const Eigen::Vector2d by_gamma = ofStep(dynamics.byGamma(middle), dynamics.byGamma(axes));
+  const Eigen::Vector2d by_mu = ofStep(dynamics.byMu(middle), dynamics.byMu(axes));
+  step.by_parameters.col(0) = dynamics.cosine * by_gamma;
+  step.by_parameters.col(1) = dynamics.sine * by_gamma;
+  step.by_parameters.col(2) = -dynamics.sine * by_mu;
+  step.by_parameters.col(3) = dynamics.cosine * by_mu;
+  step.by_parameters.col(4) = ofStep(dynamics.force, dynamics.force);
   return step;
 }
 

@@ -1,56 +1,63 @@
 #include "ring_gyro/identification/interval_filter.h"
 
-#include <Eigen/LU>
 #include <cmath>
 
+#include "ring_gyro/common/vector_dispatch.h"
+
 namespace ring_gyro {
+
 namespace {
 
-constexpr double kGammaScale = 1e-2;
-constexpr double kMuScale = 1e-5;
+/// Takes the measured axes, the first two states, one after the other. `innovation` is that of
+/// both before; `correction` is what the states gain.
+template <int Moving>
+IntervalUpdate measureAxes(FactoredCovariance<Moving>& covariance,
+                           const Eigen::Vector2d& innovation, double noise_variance,
+                           typename FactoredCovariance<Moving>::Vector& correction) {
+  const auto a = covariance.template measure<0>(noise_variance);
+  const auto b = covariance.template measure<1>(noise_variance);
+  const double a_share = innovation[0] * a.inverse_variance;
+  const double b_innovation = innovation[1] - a_share * a.cross[1];
+  const double b_share = b_innovation * b.inverse_variance;
+  correction = a_share * a.cross + b_share * b.cross;
+
+  IntervalUpdate update;
+  update.innovation = innovation;
+  update.innovation_covariance << a.variance, a.cross[1], a.cross[1],
+      b.variance + a.cross[1] * a.cross[1] * a.inverse_variance;
+  update.normalised_innovation_squared = innovation[0] * a_share + b_innovation * b_share;
+  return update;
+}
 
 }  // namespace
 
 IntervalFilter::IntervalFilter(const AveragedModel& model, const IntervalNoise& noise)
     : model_(model), noise_(noise) {
-  scale_ << 1.0, 1.0, kGammaScale, kGammaScale, kMuScale, kMuScale, 1.0;
-  value_.setZero();
-  covariance_.setZero();
-  variance_growth_.setZero();
-  abandon();
+  initialise(StateVector::Zero(), StateVector::Zero(), ParameterVector::Zero());
 }
 
 void IntervalFilter::initialise(const StateVector& value, const StateVector& sigma,
                                 const ParameterVector& walk) {
-  scale_[kDriveGain] = value[kDriveGain];
+  drive_gain_scale_ = value[kDriveGain];
   value_ = value;
-  covariance_.setZero();
-  covariance_.diagonal() = sigma.cwiseQuotient(scale_).cwiseAbs2();
-  variance_growth_ = walk.cwiseQuotient(scale_.tail<5>()).cwiseAbs2();
+  covariances_[present_] = Covariance(sigma.cwiseAbs2());
+  variance_growth_ = walk.cwiseAbs2();
+  walks_ = !variance_growth_.isZero(0.0);
   abandon();
 }
 
 void IntervalFilter::restartAxes(const Eigen::Vector2d& axes, double sigma) {
   value_.head<2>() = axes;
-  covariance_.topRows<2>().setZero();
-  covariance_.leftCols<2>().setZero();
-  covariance_.diagonal().head<2>().setConstant(sigma * sigma);
+  covariances_[present_].restartMoving(sigma * sigma);
   abandon();
 }
 
 void IntervalFilter::abandon() {
   device_ = device();
   axes_ = value_.head<2>();
-  sensitivity_.setZero();
-  sensitivity_.leftCols<2>().setIdentity();
   elapsed_ = 0.0;
+  moved_ = summed_ = false;
   samples_ = 0;
-  predicted_sum_.setZero();
-  measured_sum_.setZero();
-  sensitivity_sum_.setZero();
-  noise_end_.setZero();
-  noise_end_sum_.setZero();
-  noise_sum_.setZero();
 }
 
 DeviceParameters IntervalFilter::device() const {
@@ -59,12 +66,12 @@ DeviceParameters IntervalFilter::device() const {
 
 bool IntervalFilter::isLinearOver(double duration, int samples, double reference_frequency) const {
   const auto sigma = [this](int state) {
-    return scale_[state] * std::sqrt(covariance_(state, state));
+    return std::sqrt(covariances_[present_].variance(state));
   };
   const double decay = model_.decayRate();
   const double gamma = decay * std::hypot(sigma(kGamma1), sigma(kGamma2));
   const double mu = 0.5 * reference_frequency * std::hypot(sigma(kMu1), sigma(kMu2));
-  const double force = decay * std::sqrt(covariance_(kDriveGain, kDriveGain));
+  const double force = decay * sigma(kDriveGain) / std::abs(drive_gain_scale_);
   // The axes are off by what they are off now and by what they gather on the way; the uncertain
   // rates act on that error.
   const double gathered = 0.5 * (gamma + mu + force) * duration * axes_.norm();
@@ -76,24 +83,51 @@ bool IntervalFilter::isLinearOver(double duration, int samples, double reference
 void IntervalFilter::step(double theta, double phi, const AveragedInput& input, double duration) {
   const AxesStep step = model_.axesStep({axes_[0], axes_[1], theta, phi}, device_, input, duration);
 
-  const double angle_variance = noise_.angle_density / axes_.squaredNorm();
-  Eigen::Matrix2d density = angle_variance * step.rate_by_angles * step.rate_by_angles.transpose();
-  density.diagonal().array() += noise_.axes_density;
+  const Eigen::Matrix2d& by_angles = step.rate_by_angles;
+  const double angle_variance = duration * noise_.angle_density / axes_.squaredNorm();
+  Eigen::Matrix2d noise = angle_variance * by_angles * by_angles.transpose();
+  noise.diagonal().array() += duration * noise_.axes_density;
 
   axes_ = step.axes;
-  const Sensitivity before = sensitivity_;
-  sensitivity_.noalias() = step.by_axes * before;
-  sensitivity_.rightCols<5>() += step.by_parameters;
-  const Eigen::Matrix2d carried = step.by_axes * noise_end_;
-  noise_end_.noalias() = carried * step.by_axes.transpose();
-  noise_end_ += duration * density;
-  const Eigen::Matrix2d carried_sum = step.by_axes * noise_end_sum_;
-  noise_end_sum_ = carried_sum;
   elapsed_ += duration;
+  if (!moved_) {
+    moved_ = true;
+    sensitivity_.leftCols<2>() = step.by_axes;
+    sensitivity_.rightCols<5>() = step.by_parameters;
+    noise_end_ = noise;
+    return;
+  }
+  if (samples_ == 1) beginSums();
+  for (int state = 0; state < sensitivity_.cols(); ++state) {
+    sensitivity_.col(state) = step.by_axes * Eigen::Vector2d(sensitivity_.col(state));
+  }
+  sensitivity_.rightCols<5>() += step.by_parameters;
+  noise_end_ = step.by_axes * Eigen::Matrix2d(noise_end_ * step.by_axes.transpose()) + noise;
+  if (samples_ > 0) noise_end_sum_ = step.by_axes * Eigen::Matrix2d(noise_end_sum_);
+}
+
+/// An interval of one sample, the usual one at the rate of the blocks, has no need of sums.
+void IntervalFilter::beginSums() {
+  if (summed_) return;
+  summed_ = true;
+  sensitivity_sum_ = sensitivity_;
+  noise_sum_ = noise_end_;
+  noise_end_sum_ = noise_end_;
 }
 
 void IntervalFilter::sample(const Eigen::Vector2d& measured) {
-  ++samples_;
+  if (!moved_) {
+    // Sampled where the interval begins.
+    moved_ = true;
+    sensitivity_ << Eigen::Matrix2d::Identity(), Eigen::Matrix<double, 2, 5>::Zero();
+    noise_end_.setZero();
+  }
+  if (samples_ == 1) beginSums();
+  if (++samples_ == 1) {
+    predicted_sum_ = axes_;
+    measured_sum_ = measured;
+    return;
+  }
   predicted_sum_ += axes_;
   measured_sum_ += measured;
   sensitivity_sum_ += sensitivity_;
@@ -102,67 +136,58 @@ void IntervalFilter::sample(const Eigen::Vector2d& measured) {
 }
 
 IntervalUpdate IntervalFilter::update() {
+  if (samples_ == 0) return {};
+  StateVector value;
   IntervalUpdate result;
-  if (samples_ == 0) return result;
-  const double share = 1.0 / samples_;
-
-  // Everything from here on is in scaled states; a and b have scale one.
-  const Sensitivity transition = sensitivity_ * scale_.asDiagonal();
-  const Sensitivity measurement = share * sensitivity_sum_ * scale_.asDiagonal();
-  const Eigen::Matrix2d cross_noise = share * noise_end_sum_;
-  Eigen::Matrix2d mean_noise = share * share * noise_sum_;
-  mean_noise.diagonal().array() += share * noise_.sample_variance;
-
-  using Gain = Eigen::Matrix<double, 7, 2>;
-  const Gain start_cross = covariance_ * measurement.transpose();
-  const Eigen::Matrix2d innovation_covariance = measurement * start_cross + mean_noise;
-  Gain cross = start_cross;
-  cross.topRows<2>() = transition * start_cross + cross_noise;
-  const Eigen::Matrix2d information = innovation_covariance.inverse();
-  const Gain gain = cross * information;
-  const Eigen::Vector2d innovation = share * (measured_sum_ - predicted_sum_);
-  StateVector value = value_;
-  value.head<2>() = axes_;
-  value += scale_.cwiseProduct(gain * innovation);
-
-  // Joseph's form from the independent sources of error: the start state, through
-  // transition - gain * measurement, and the process and measurement noise, which reach the end
-  // state directly (a and b) and through the gain. The map is applied a factor at a time, because
-  // only the rows of a and b of the transition differ from identity.
-  StateMatrix mapped = covariance_;
-  mapped.topRows<2>().noalias() = transition * covariance_;
-  mapped.noalias() -= gain * start_cross.transpose();
-  StateMatrix covariance = mapped;
-  covariance.leftCols<2>().noalias() = mapped * transition.transpose();
-  const Gain mapped_cross = mapped * measurement.transpose();
-  covariance.noalias() -= mapped_cross * gain.transpose();
-  covariance += gain * mean_noise * gain.transpose();
-  const Gain noise_gain = gain * cross_noise.transpose();
-  covariance.leftCols<2>() -= noise_gain;
-  covariance.topRows<2>() -= noise_gain.transpose();
-  covariance.topLeftCorner<2, 2>() += noise_end_;
-  covariance.diagonal().tail<5>() += elapsed_ * variance_growth_;
-  covariance = 0.5 * (covariance + covariance.transpose()).eval();
-
-  if (!value.allFinite() || !covariance.allFinite() || !information.allFinite() ||
-      !(covariance.diagonal().minCoeff() >= 0.0)) {
-    abandon();
-    return result;
+  if (samples_ == 1) {
+    measureSample(value, result);
+  } else {
+    measureMean(value, result);
   }
+  Covariance& covariance = covariances_[1 - present_];
+  result.accepted = std::isfinite(value.sum() + result.innovation_covariance.sum() +
+                                  result.normalised_innovation_squared) &&
+                    covariance.isFinite();
+  if (!result.accepted) {
+    abandon();
+    return {};
+  }
+  if (walks_) covariance.addToConstants(elapsed_ * variance_growth_);
+  present_ = 1 - present_;
   value_ = value;
-  covariance_ = covariance;
   abandon();
-
-  result.accepted = true;
-  result.innovation = innovation;
-  result.innovation_covariance = innovation_covariance;
-  result.normalised_innovation_squared = innovation.dot(information * innovation);
   return result;
 }
 
-StateMatrix IntervalFilter::covariance() const {
-  // Products in an order that keeps the matrix symmetric to the last bit.
-  return (scale_ * scale_.transpose()).cwiseProduct(covariance_);
+RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::measureSample(
+    StateVector& value, IntervalUpdate& update) {
+  Covariance& covariance = covariances_[1 - present_];
+  covariances_[present_].propagate<2>(sensitivity_, noise_end_, covariance);
+  Covariance::Vector correction;
+  update =
+      measureAxes(covariance, measured_sum_ - predicted_sum_, noise_.sample_variance, correction);
+  value.head<2>() = axes_ + correction.head<2>();
+  value.tail<5>() = value_.tail<5>() + correction.segment<5>(2);
 }
+
+/// The mean and the end of the interval move, the mean is measured; then it is of no more use.
+void IntervalFilter::measureMean(StateVector& value, IntervalUpdate& update) {
+  const double share = 1.0 / samples_;
+  Eigen::Matrix<double, 4, 7> sensitivity;
+  sensitivity << share * sensitivity_sum_, sensitivity_;
+  Eigen::Matrix4d noise;
+  noise << share * share * noise_sum_, share * noise_end_sum_.transpose(),  //
+      share * noise_end_sum_, noise_end_;
+  FactoredCovariance<4> covariance;
+  covariances_[present_].propagate<4>(sensitivity, noise, covariance);
+  FactoredCovariance<4>::Vector correction;
+  update = measureAxes(covariance, share * (measured_sum_ - predicted_sum_),
+                       share * noise_.sample_variance, correction);
+  covariances_[1 - present_] = covariance.without<2>();
+  value.head<2>() = axes_ + correction.segment<2>(2);
+  value.tail<5>() = value_.tail<5>() + correction.segment<5>(4);
+}
+
+StateMatrix IntervalFilter::covariance() const { return covariances_[present_].matrix(); }
 
 }  // namespace ring_gyro

@@ -10,3 +10,11 @@
 #else
 #define RING_GYRO_VECTOR_CLONES
 #endif
+
+/// Compiles everything that the marked function calls into it, for the vector width of the
+/// function.
+#if defined(__GNUC__)
+#define RING_GYRO_FLATTEN __attribute__((flatten))
+#else
+#define RING_GYRO_FLATTEN
+#endif

@@ -90,7 +90,6 @@ class AveragedModel {
 
  private:
   struct AxesDynamics;
-  AxesDynamics axesDynamics(const Orbit& orbit, const AveragedInput& input) const;
 
   double angular_frequency_;
   double decay_rate_;

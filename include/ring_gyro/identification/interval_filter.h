@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "ring_gyro/identification/averaged_model.h"
+#include "ring_gyro/identification/factored_covariance.h"
 #include "ring_gyro/identification/parameter_estimate.h"
 
 namespace ring_gyro {
@@ -33,8 +34,8 @@ struct IntervalUpdate {
 /// transition differ from identity. Process noise enters the end state, the mean and their
 /// covariance exactly. An interval of one sample is an ordinary filter step.
 ///
-/// The covariance is kept in scaled states (V, V, 1e-2, 1e-2, 1e-5, 1e-5, ks0) and updated in
-/// Joseph's form, whose terms are all positive.
+/// The covariance is kept factored (FactoredCovariance) and cannot lose its positive sign. The mean
+/// joins the states as two more that move, is measured and is dropped.
 class IntervalFilter {
  public:
   IntervalFilter(const AveragedModel& model, const IntervalNoise& noise);
@@ -68,20 +69,29 @@ class IntervalFilter {
 
  private:
   using Sensitivity = Eigen::Matrix<double, 2, 7>;  // of a, b to the state at the interval's start
+  using Covariance = FactoredCovariance<2>;
 
   DeviceParameters device() const;
+  void beginSums();
+  // To the other covariance, which counts once all numbers are known to be finite.
+  void measureSample(StateVector& value, IntervalUpdate& update);
+  void measureMean(StateVector& value, IntervalUpdate& update);
 
   AveragedModel model_;
   IntervalNoise noise_;
-  StateVector scale_;
+  double drive_gain_scale_ = 1.0;
   StateVector value_;
-  StateMatrix covariance_;           // of the scaled state
-  ParameterVector variance_growth_;  // of the scaled parameters [1/s]
+  Covariance covariances_[2];
+  int present_ = 0;                  // which of them
+  ParameterVector variance_growth_;  // of the parameters [unit of the parameter^2 / s]
+  bool walks_ = false;
 
-  // The running interval.
+  // The running interval. What it gathers is set by its first step or sample.
+  bool moved_ = false;
+  bool summed_ = false;
   DeviceParameters device_;
   Eigen::Vector2d axes_;
-  Sensitivity sensitivity_;  // to the state as it is, not scaled
+  Sensitivity sensitivity_;
   double elapsed_ = 0.0;
   int samples_ = 0;
   Eigen::Vector2d predicted_sum_;

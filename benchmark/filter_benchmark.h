@@ -1,0 +1,16 @@
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+
+namespace ring_gyro {
+
+/// Predict and update of the identifier's filter against the dense filter, time per step.
+void filterAgainstDense(benchmark::State& state);
+
+/// Largest difference of any state from the same filter in long double, over all of `steps`:
+/// worst_state [sigma of the reference], worst_sigma [1].
+void filterAccuracy(benchmark::State& state, std::int64_t steps);
+
+}  // namespace ring_gyro
