@@ -39,6 +39,13 @@ std::int64_t wholeBlocks(double period, const ConverterParameters& converter) {
 
 double square(double x) { return x * x; }
 
+// Relative change of an orbit by the cubic term. Known this well, the term is found; off by less
+// than that from where the filter started, it makes no difference; known this well, linearising at
+// the estimate is safe.
+constexpr double kCubicFound = 2e-4;
+constexpr double kCubicOff = 4e-4;
+constexpr double kCubicSharp = 2e-5;
+
 /// Standard deviations of the parameters before any data, physical coordinates.
 ExtendedVector initialSigmas(const ExtendedState& state, const ExtendedParameters& p,
                              const ExtendedVector& value) {
@@ -146,6 +153,8 @@ void ExtendedIdentifier::restart(const BlockStamp& stamp) {
   used_ = rejected_ = lost_ = 0;
   chain_.reset();
   scaled_ = chained_ = complete_ = false;
+  cubic_settled_ = false;
+  first_pass_ = true;
   blocks_in_period_ = 0;
   lowest_theta_ = highest_theta_ = 0.0;
 }
@@ -209,6 +218,8 @@ void ExtendedIdentifier::gather(std::uint64_t sequence, bool first_of_period) {
 void ExtendedIdentifier::propagate(std::uint64_t sequence) {
   const Orbit& before = chain_.block(sequence - 1).orbit;
   const Orbit& now = chain_.block(sequence).orbit;
+  const Eigen::Vector4d measured_before = realParts(envelopeFromOrbit(before));
+  const Eigen::Vector4d measured_change = realParts(envelopeFromOrbit(now)) - measured_before;
   for (const ChainSegment& segment : chain_.segments(sequence)) {
     if (segment.duration <= 0.0) continue;
     EnvelopeInput input;
@@ -216,7 +227,7 @@ void ExtendedIdentifier::propagate(std::uint64_t sequence) {
     input.reference_frequency = segment.reference_frequency;
     input.theta = before.theta + segment.middle * (now.theta - before.theta);
     input.rotation_rate = segment.rotation_rate;
-    filter_.step(input, segment.duration);
+    filter_.step(input, measured_before + segment.middle * measured_change, segment.duration);
   }
 }
 
@@ -233,6 +244,7 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
   ExtendedEstimate estimate;
   bool used = false;
   if (complete_ && scaled_) {
+    if (!filter_.linearisesAtEstimate()) reconsiderCubic();
     used = estimate.updated = true;
     estimate.innovation = update_.innovation;
     estimate.innovation_covariance = update_.innovation_covariance;
@@ -257,6 +269,7 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
   estimate.rejected_blocks = rejected_;
   estimate.lost_blocks = lost_;
   estimate.scaled = scaled_;
+  estimate.settled = scaled_ && (cubic_settled_ || state_.layout().pickoff_cubic < 0);
   estimate.angle_covered = highest_theta_ - lowest_theta_;
   estimate.value.setZero(state_.size());
   estimate.covariance.setZero(state_.size(), state_.size());
@@ -270,6 +283,23 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
   return estimate;
 }
 
+void ExtendedIdentifier::reconsiderCubic() {
+  const int at = state_.layout().pickoff_cubic;
+  const ExtendedVector value = filter_.value();
+  const double square_amplitude = value.head<4>().squaredNorm();
+  const double sigma = square_amplitude * std::sqrt(filter_.covariance()(at, at));
+  if (cubic_settled_) {
+    if (sigma < kCubicSharp) filter_.lineariseAtEstimate();
+    return;
+  }
+  if (sigma > kCubicFound) return;
+  const double moved = square_amplitude * std::abs(value[at] - cubic_at_start_);
+  cubic_settled_ = !first_pass_ && moved < kCubicOff;
+  if (cubic_settled_) return;
+  first_pass_ = false;
+  start(state_.physical(value));
+}
+
 bool ExtendedIdentifier::setScale(std::uint64_t sequence) {
   const double blocks = static_cast<double>(period_blocks_);
   const BlockChain::Block& now = chain_.block(sequence);
@@ -277,39 +307,43 @@ bool ExtendedIdentifier::setScale(std::uint64_t sequence) {
   const double duration = (blocks - 1.0) * block_duration_;
   // phi' = w0 - w, but for mu.
   const double slip = blocks > 1.0 ? (now.orbit.phi - phi_at_start_) / duration : 0.0;
-  const double balance =
-      2.0 * frequency * state_.nominalDecayRate() * amplitude_sum_ / drive_sum_;
+  const double balance = 2.0 * frequency * state_.nominalDecayRate() * amplitude_sum_ / drive_sum_;
   const double drive_gain =
       parameters_.initial_drive_gain > 0.0 ? parameters_.initial_drive_gain : balance;
   if (!(drive_sum_ > 0.0) || !std::isfinite(drive_gain)) return false;
-  start(realParts(envelopeFromOrbit(now.orbit)), drive_gain, frequency + slip);
-  return true;
-}
-
-void ExtendedIdentifier::start(const Eigen::Vector4d& envelope, double drive_gain,
-                               double angular_frequency) {
   const ExtendedState::Layout& at = state_.layout();
   ExtendedVector value = ExtendedVector::Zero(state_.size());
-  value.head<4>() = envelope;
+  value.head<4>() = realParts(envelopeFromOrbit(now.orbit));
   value[at.gamma] = parameters_.initial_gamma1;
   value[at.gamma + 1] = parameters_.initial_gamma2;
   value[at.mu] = parameters_.initial_mu1;
   value[at.mu + 1] = parameters_.initial_mu2;
   value[at.drive_gain] = drive_gain;
   if (at.decay_rate >= 0) value[at.decay_rate] = state_.nominalDecayRate();
-  if (at.frequency >= 0) value[at.frequency] = angular_frequency / kTwoPi;
+  if (at.frequency >= 0) value[at.frequency] = (frequency + slip) / kTwoPi;
+  if (at.pickoff_cubic >= 0) value[at.pickoff_cubic] = parameters_.initial_cubic;
+  start(value);
+  return true;
+}
 
-  ExtendedVector sigma = initialSigmas(state_, parameters_, value);
-  sigma.head<4>().setConstant(restartSigma(envelope.norm()));
-  const ExtendedMatrix slope = state_.linearByPhysical(value);
+void ExtendedIdentifier::start(const ExtendedVector& physical) {
+  const ExtendedState::Layout& at = state_.layout();
+  ExtendedVector sigma = initialSigmas(state_, parameters_, physical);
+  sigma.head<4>().setConstant(restartSigma(physical.head<4>().norm()));
+  const ExtendedMatrix slope = state_.linearByPhysical(physical);
   const ExtendedMatrix prior = slope * sigma.cwiseAbs2().asDiagonal() * slope.transpose();
-  const ExtendedVector scale = slope.cwiseAbs() * sigma;
-  ExtendedVector growth = slope.cwiseAbs2() * walks(state_, parameters_, value).cwiseAbs2();
+  ExtendedVector scale = slope.cwiseAbs() * sigma;
+  scale.head<4>().setOnes();
+  ExtendedVector growth = slope.cwiseAbs2() * walks(state_, parameters_, physical).cwiseAbs2();
   growth.head<4>().setZero();
-  ExtendedVector unit = scale;
-  unit.head<4>().setOnes();
-  filter_.initialise(state_.linear(value), prior, unit, growth);
+  const ExtendedVector linear = state_.linear(physical);
+  filter_.initialise(linear, prior, scale, growth);
   scaled_ = true;
+  chained_ = false;
+  if (at.pickoff_cubic >= 0) {
+    cubic_at_start_ = physical[at.pickoff_cubic];
+    filter_.linearise(linear);
+  }
 }
 
 }  // namespace ring_gyro
