@@ -10,6 +10,7 @@
 #include "ring_gyro/identification/block_chain.h"
 #include "ring_gyro/identification/envelope_filter.h"
 #include "ring_gyro/identification/extended_parameters.h"
+#include "ring_gyro/identification/extended_prior.h"
 
 namespace ring_gyro {
 
@@ -99,10 +100,7 @@ class ExtendedIdentifier {
   bool by_blocks_ = false;  // the present period is filtered block by block
   EnvelopeUpdate update_;
   std::uint64_t blocks_in_period_ = 0;
-  double amplitude_sum_ = 0.0;
-  double frequency_sum_ = 0.0;
-  double drive_sum_ = 0.0;
-  double phi_at_start_ = 0.0;
+  FirstLookSum first_look_;
   double lowest_theta_ = 0.0;
   double highest_theta_ = 0.0;
   double lowest_theta_in_period_ = 0.0;
