@@ -29,8 +29,7 @@ void EnvelopeFilter::restartEnvelope(const Eigen::Vector4d& envelope, double sig
   value_.head<4>() = envelope;
   covariance_.topRows<4>().setZero();
   covariance_.leftCols<4>().setZero();
-  covariance_.diagonal().head<4>() =
-      (sigma * scale_.head<4>().cwiseInverse()).cwiseAbs2();
+  covariance_.diagonal().head<4>() = (sigma * scale_.head<4>().cwiseInverse()).cwiseAbs2();
   abandon();
 }
 
@@ -49,11 +48,16 @@ void EnvelopeFilter::abandon() {
   noise_sum_.setZero();
 }
 
+void EnvelopeFilter::linearise(const ExtendedVector& nominal) {
+  nominal_ = nominal;
+  at_estimate_ = false;
+}
+
 bool EnvelopeFilter::isLinearOver(double duration, int samples, const EnvelopeInput& input) const {
+  if (!at_estimate_) return true;
   const Eigen::Index parameters = value_.size() - 4;
-  const EnvelopeSensitivity rate =
-      model_.rateByParameters(value_.head<4>(), value_, input) *
-      scale_.tail(parameters).asDiagonal();
+  const EnvelopeSensitivity rate = model_.rateByParameters(value_.head<4>(), value_, input) *
+                                   scale_.tail(parameters).asDiagonal();
   // How far the rate is off, and how far the matrix that acts on an error of the envelope: of the
   // latter, correlations between parameters are no help.
   const double rate_variance =
@@ -62,10 +66,10 @@ bool EnvelopeFilter::isLinearOver(double duration, int samples, const EnvelopeIn
   double matrix_variance = 0.0;
   for (Eigen::Index k = 0; k < parameters; ++k) {
     const Eigen::Index state = k + 4;
-    const bool of_drive = state == at.drive_gain || state == at.drive_phase ||
-                          (at.mismatch >= 0 && state >= at.mismatch && state < at.mismatch + 4) ||
-                          (at.drive_rotation >= 0 && state >= at.drive_rotation &&
-                           state < at.drive_rotation + 2);
+    const bool of_drive =
+        state == at.drive_gain || state == at.drive_phase ||
+        (at.mismatch >= 0 && state >= at.mismatch && state < at.mismatch + 4) ||
+        (at.drive_rotation >= 0 && state >= at.drive_rotation && state < at.drive_rotation + 2);
     if (!of_drive) matrix_variance += rate.col(k).squaredNorm() * covariance_(state, state);
   }
   matrix_variance /= value_.head<4>().squaredNorm();
@@ -76,8 +80,14 @@ bool EnvelopeFilter::isLinearOver(double duration, int samples, const EnvelopeIn
   return neglected < 0.1 * std::sqrt(sample_variance_ / samples);
 }
 
-void EnvelopeFilter::step(const EnvelopeInput& input, double duration) {
-  model_.step(envelope_, value_, input, duration, step_);
+void EnvelopeFilter::step(const EnvelopeInput& input, const Eigen::Vector4d& measured,
+                          double duration) {
+  if (at_estimate_) {
+    model_.step(envelope_, value_, {envelope_, value_}, input, duration, step_);
+  } else {
+    const Eigen::Vector4d middle = model_.undistorted(measured, nominal_);
+    model_.step(envelope_, value_, {middle, nominal_}, input, duration, step_);
+  }
   envelope_ = step_.after;
   const EnvelopeSensitivity before = sensitivity_;
   sensitivity_.noalias() = step_.transition * before;
@@ -101,8 +111,13 @@ void EnvelopeFilter::sample(const Eigen::Vector4d& measured) {
     noise_end_sum_ += noise_end_;
     return;
   }
-  const EnvelopeModel::Measurement shown = model_.measure(envelope_, value_);
+  const Eigen::Vector4d point = at_estimate_ ? envelope_ : model_.undistorted(measured, nominal_);
+  const EnvelopeModel::Measurement shown = model_.measure(point, at_estimate_ ? value_ : nominal_);
   predicted_sum_ += shown.value;
+  if (!at_estimate_) {
+    predicted_sum_ += shown.by_envelope * (envelope_ - point) +
+                      (value_[cubic] - nominal_[cubic]) * shown.by_cubic;
+  }
   sensitivity_sum_.noalias() += shown.by_envelope * sensitivity_;
   sensitivity_sum_.col(cubic) += shown.by_cubic;
   const Eigen::Matrix4d cross = shown.by_envelope * noise_end_sum_;

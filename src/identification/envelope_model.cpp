@@ -69,8 +69,7 @@ RateMatrices rateMatrices(const ExtendedState& state, const ExtendedVector& line
   Complex complex_turning = 0.0;
   if (at.rotation_scale >= 0) turning += rotation * linear[at.rotation_scale];
   if (at.odd_harmonics >= 0) {
-    turning +=
-        rotation * harmonicSum(at.odd_harmonics, state.oddOrders(), linear, input.theta);
+    turning += rotation * harmonicSum(at.odd_harmonics, state.oddOrders(), linear, input.theta);
   }
   if (at.drift_bias >= 0) {
     turning += linear[at.drift_bias];
@@ -117,7 +116,8 @@ Eigen::Vector4d driveForce(const ExtendedState& state, const ExtendedVector& lin
   if (at.drive_rotation >= 0) {
     turn = {linear[at.drive_rotation], linear[at.drive_rotation + 1]};
   }
-  const Eigen::Vector2cd force = matrixOf(state.driveGain(linear), along, across, turn) * input.drive;
+  const Eigen::Vector2cd force =
+      matrixOf(state.driveGain(linear), along, across, turn) * input.drive;
   return realParts(Complex(0.0, -0.5 / input.reference_frequency) * force);
 }
 
@@ -148,8 +148,7 @@ EnvelopeSensitivity EnvelopeModel::rateByParameters(const Eigen::Vector4d& envel
   if (at.decay_rate >= 0) column(at.decay_rate) = -envelope;
   if (at.frequency >= 0) {
     column(at.frequency) =
-        (kTwoPi * w0 / w) *
-        timesI(envelope + linear[at.mu] * along + linear[at.mu + 1] * across);
+        (kTwoPi * w0 / w) * timesI(envelope + linear[at.mu] * along + linear[at.mu + 1] * across);
   }
   if (at.drive_phase >= 0) column(at.drive_phase) = timesI(force);
   if (at.mismatch >= 0) {
@@ -201,21 +200,24 @@ EnvelopeSensitivity EnvelopeModel::rateByParameters(const Eigen::Vector4d& envel
 }
 
 void EnvelopeModel::step(const Eigen::Vector4d& envelope, const ExtendedVector& linear,
-                         const EnvelopeInput& input, double duration, EnvelopeStep& step) const {
-  const RateMatrices rate = rateMatrices(state_, linear, input);
+                         const EnvelopePoint& nominal, const EnvelopeInput& input, double duration,
+                         EnvelopeStep& step) const {
+  const RateMatrices rate = rateMatrices(state_, nominal.linear, input);
   const Eigen::Matrix4d moved = duration * rate.second_order * rate.first_order;
-  const Eigen::Vector4d force = rate.second_order * driveForce(state_, linear, input);
+  const Eigen::Vector4d force = rate.second_order * driveForce(state_, nominal.linear, input);
   const Eigen::Matrix4d identity = Eigen::Matrix4d::Identity();
   const Eigen::Matrix4d third = identity + (1.0 / 3.0) * moved + (1.0 / 12.0) * moved * moved;
   const Eigen::Matrix4d mean = identity + 0.5 * moved * third;  // of the flow over the step
 
   step.transition = identity + moved * mean;
-  step.after = step.transition * envelope + duration * (mean * force);
-  const Eigen::Vector4d middle =
-      envelope + 0.5 * (moved * envelope + duration * force) +
-      0.125 * (moved * (moved * envelope + duration * force));
+  const Eigen::Vector4d change = moved * nominal.envelope + duration * force;
+  const Eigen::Vector4d middle = nominal.envelope + 0.5 * change + 0.125 * (moved * change);
   const Eigen::Matrix4d carry = duration * (identity + 0.5 * moved) * rate.second_order;
-  step.by_parameters.noalias() = carry * rateByParameters(middle, linear, input);
+  step.by_parameters.noalias() = carry * rateByParameters(middle, nominal.linear, input);
+  step.after = step.transition * envelope + duration * (mean * force);
+  if (&linear == &nominal.linear) return;
+  const Eigen::Index parameters = state_.size() - 4;
+  step.after += step.by_parameters * (linear - nominal.linear).tail(parameters);
 }
 
 EnvelopeModel::Measurement EnvelopeModel::measure(const Eigen::Vector4d& envelope,
@@ -233,6 +235,15 @@ EnvelopeModel::Measurement EnvelopeModel::measure(const Eigen::Vector4d& envelop
     block += factor * (square * Eigen::Matrix2d::Identity() + 2.0 * part * part.transpose());
   }
   return result;
+}
+
+Eigen::Vector4d EnvelopeModel::undistorted(const Eigen::Vector4d& measured,
+                                           const ExtendedVector& linear) const {
+  Eigen::Vector4d envelope = measured;
+  if (state_.layout().pickoff_cubic < 0) return envelope;
+  // Each step shrinks the error by the size of the distortion, a few per cent.
+  for (int k = 0; k < 8; ++k) envelope += measured - measure(envelope, linear).value;
+  return envelope;
 }
 
 }  // namespace ring_gyro

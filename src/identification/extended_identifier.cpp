@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <variant>
 
-#include "ring_gyro/common/angle.h"
-
 namespace ring_gyro {
 namespace {
 
@@ -39,61 +37,12 @@ std::int64_t wholeBlocks(double period, const ConverterParameters& converter) {
 
 double square(double x) { return x * x; }
 
-/// Standard deviations of the parameters before any data, physical coordinates.
-ExtendedVector initialSigmas(const ExtendedState& state, const ExtendedParameters& p,
-                             const ExtendedVector& value) {
-  const ExtendedState::Layout& at = state.layout();
-  ExtendedVector sigma = ExtendedVector::Zero(state.size());
-  sigma.segment<2>(at.gamma).setConstant(p.initial_gamma_sigma);
-  sigma.segment<2>(at.mu).setConstant(p.initial_mu_sigma);
-  sigma[at.drive_gain] = p.initial_drive_gain_sigma * value[at.drive_gain];
-  if (at.decay_rate >= 0) sigma[at.decay_rate] = p.initial_quality_sigma * value[at.decay_rate];
-  // f0 is set from where the phase-locked loop is, which mu moves by half of itself.
-  if (at.frequency >= 0) sigma[at.frequency] = p.initial_mu_sigma * p.natural_frequency;
-  if (at.drive_phase >= 0) sigma[at.drive_phase] = p.initial_drive_phase_sigma;
-  if (at.mismatch >= 0) {
-    sigma.segment<2>(at.mismatch).setConstant(p.initial_mismatch_sigma);
-    sigma.segment<2>(at.mismatch + 2).setConstant(p.initial_drive_phase_sigma);
-  }
-  if (at.drive_rotation >= 0) {
-    sigma[at.drive_rotation] = p.initial_mismatch_sigma;
-    sigma[at.drive_rotation + 1] = p.initial_drive_phase_sigma;
-  }
-  if (at.drift_bias >= 0) sigma.segment<2>(at.drift_bias).setConstant(p.initial_drift_sigma);
-  const auto harmonics = [&sigma](int first, std::size_t orders, double value_of_sigma) {
-    if (first < 0) return;
-    sigma.segment(first, 2 * static_cast<Eigen::Index>(orders)).setConstant(value_of_sigma);
-  };
-  harmonics(at.even_harmonics, state.evenOrders().size(), p.initial_drift_sigma);
-  harmonics(at.odd_harmonics, state.oddOrders().size(), p.initial_scale_sigma);
-  if (at.sense_mismatch >= 0) {
-    sigma.segment<2>(at.sense_mismatch).setConstant(p.initial_mismatch_sigma);
-    sigma.segment<2>(at.sense_mismatch + 2).setConstant(p.initial_drive_phase_sigma);
-  }
-  if (at.rotation_scale >= 0) sigma[at.rotation_scale] = p.initial_scale_sigma;
-  if (at.pickoff_cubic >= 0) sigma[at.pickoff_cubic] = p.initial_cubic_sigma;
-  if (at.rotation_rate >= 0) sigma[at.rotation_rate] = p.initial_rotation_sigma;
-  return sigma;
-}
-
-/// Random walks of the parameters, physical coordinates [unit/sqrt(s)].
-ExtendedVector walks(const ExtendedState& state, const ExtendedParameters& p,
-                     const ExtendedVector& value) {
-  const ExtendedState::Layout& at = state.layout();
-  ExtendedVector walk = ExtendedVector::Zero(state.size());
-  walk.segment<2>(at.gamma).setConstant(p.gamma_walk);
-  walk.segment<2>(at.mu).setConstant(p.mu_walk);
-  walk[at.drive_gain] = p.drive_gain_walk * value[at.drive_gain];
-  if (at.decay_rate >= 0) walk[at.decay_rate] = p.quality_walk * value[at.decay_rate];
-  if (at.frequency >= 0) walk[at.frequency] = p.frequency_walk;
-  if (at.drift_bias >= 0) walk.segment<2>(at.drift_bias).setConstant(p.drift_walk);
-  if (at.even_harmonics >= 0) {
-    walk.segment(at.even_harmonics, 2 * static_cast<Eigen::Index>(state.evenOrders().size()))
-        .setConstant(p.drift_walk);
-  }
-  if (at.rotation_rate >= 0) walk[at.rotation_rate] = p.rotation_walk;
-  return walk;
-}
+// Relative change of an orbit by the cubic term. Known this well, the term is found; off by less
+// than that from where the filter started, it makes no difference; known this well, linearising at
+// the estimate is safe.
+constexpr double kCubicFound = 2e-4;
+constexpr double kCubicOff = 4e-4;
+constexpr double kCubicSharp = 2e-5;
 
 }  // namespace
 
@@ -146,6 +95,8 @@ void ExtendedIdentifier::restart(const BlockStamp& stamp) {
   used_ = rejected_ = lost_ = 0;
   chain_.reset();
   scaled_ = chained_ = complete_ = false;
+  cubic_settled_ = false;
+  first_pass_ = true;
   blocks_in_period_ = 0;
   lowest_theta_ = highest_theta_ = 0.0;
 }
@@ -171,17 +122,12 @@ void ExtendedIdentifier::gather(std::uint64_t sequence, bool first_of_period) {
   const BlockChain::Block& now = chain_.block(sequence);
   if (first_of_period) {
     lowest_theta_in_period_ = highest_theta_in_period_ = now.orbit.theta;
-    amplitude_sum_ = frequency_sum_ = drive_sum_ = 0.0;
-    phi_at_start_ = now.orbit.phi;
+    first_look_ = FirstLookSum();
   }
   lowest_theta_in_period_ = std::min(lowest_theta_in_period_, now.orbit.theta);
   highest_theta_in_period_ = std::max(highest_theta_in_period_, now.orbit.theta);
   if (!scaled_) {
-    const std::complex<double> along =
-        std::cos(now.orbit.theta) * now.drive.x() + std::sin(now.orbit.theta) * now.drive.y();
-    amplitude_sum_ += now.orbit.a;
-    frequency_sum_ += now.reference_frequency;
-    drive_sum_ += (std::polar(1.0, -now.orbit.phi) * along).imag();
+    first_look_.add(now.orbit, now.drive, now.reference_frequency);
     return;
   }
   const Eigen::Vector4d measured = realParts(envelopeFromOrbit(now.orbit));
@@ -209,6 +155,8 @@ void ExtendedIdentifier::gather(std::uint64_t sequence, bool first_of_period) {
 void ExtendedIdentifier::propagate(std::uint64_t sequence) {
   const Orbit& before = chain_.block(sequence - 1).orbit;
   const Orbit& now = chain_.block(sequence).orbit;
+  const Eigen::Vector4d measured_before = realParts(envelopeFromOrbit(before));
+  const Eigen::Vector4d measured_change = realParts(envelopeFromOrbit(now)) - measured_before;
   for (const ChainSegment& segment : chain_.segments(sequence)) {
     if (segment.duration <= 0.0) continue;
     EnvelopeInput input;
@@ -216,7 +164,7 @@ void ExtendedIdentifier::propagate(std::uint64_t sequence) {
     input.reference_frequency = segment.reference_frequency;
     input.theta = before.theta + segment.middle * (now.theta - before.theta);
     input.rotation_rate = segment.rotation_rate;
-    filter_.step(input, segment.duration);
+    filter_.step(input, measured_before + segment.middle * measured_change, segment.duration);
   }
 }
 
@@ -233,6 +181,7 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
   ExtendedEstimate estimate;
   bool used = false;
   if (complete_ && scaled_) {
+    if (!filter_.linearisesAtEstimate()) reconsiderCubic();
     used = estimate.updated = true;
     estimate.innovation = update_.innovation;
     estimate.innovation_covariance = update_.innovation_covariance;
@@ -257,6 +206,7 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
   estimate.rejected_blocks = rejected_;
   estimate.lost_blocks = lost_;
   estimate.scaled = scaled_;
+  estimate.settled = scaled_ && (cubic_settled_ || state_.layout().pickoff_cubic < 0);
   estimate.angle_covered = highest_theta_ - lowest_theta_;
   estimate.value.setZero(state_.size());
   estimate.covariance.setZero(state_.size(), state_.size());
@@ -270,46 +220,51 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
   return estimate;
 }
 
+void ExtendedIdentifier::reconsiderCubic() {
+  const int at = state_.layout().pickoff_cubic;
+  const ExtendedVector value = filter_.value();
+  const double square_amplitude = value.head<4>().squaredNorm();
+  const double sigma = square_amplitude * std::sqrt(filter_.covariance()(at, at));
+  if (cubic_settled_) {
+    if (sigma < kCubicSharp) filter_.lineariseAtEstimate();
+    return;
+  }
+  if (sigma > kCubicFound) return;
+  const double moved = square_amplitude * std::abs(value[at] - cubic_at_start_);
+  cubic_settled_ = !first_pass_ && moved < kCubicOff;
+  if (cubic_settled_) return;
+  first_pass_ = false;
+  start(state_.physical(value));
+}
+
 bool ExtendedIdentifier::setScale(std::uint64_t sequence) {
-  const double blocks = static_cast<double>(period_blocks_);
-  const BlockChain::Block& now = chain_.block(sequence);
-  const double frequency = frequency_sum_ / blocks;
-  const double duration = (blocks - 1.0) * block_duration_;
-  // phi' = w0 - w, but for mu.
-  const double slip = blocks > 1.0 ? (now.orbit.phi - phi_at_start_) / duration : 0.0;
-  const double balance =
-      2.0 * frequency * state_.nominalDecayRate() * amplitude_sum_ / drive_sum_;
-  const double drive_gain =
-      parameters_.initial_drive_gain > 0.0 ? parameters_.initial_drive_gain : balance;
-  if (!(drive_sum_ > 0.0) || !std::isfinite(drive_gain)) return false;
-  start(realParts(envelopeFromOrbit(now.orbit)), drive_gain, frequency + slip);
+  const FirstLook look = first_look_.look(block_duration_, state_.nominalDecayRate());
+  ExtendedVector value = startValue(state_, parameters_, look);
+  const double drive_gain = value[state_.layout().drive_gain];
+  if (!(look.drive_gain > 0.0) || !std::isfinite(drive_gain)) return false;
+  value.head<4>() = realParts(envelopeFromOrbit(chain_.block(sequence).orbit));
+  start(value);
   return true;
 }
 
-void ExtendedIdentifier::start(const Eigen::Vector4d& envelope, double drive_gain,
-                               double angular_frequency) {
+void ExtendedIdentifier::start(const ExtendedVector& physical) {
   const ExtendedState::Layout& at = state_.layout();
-  ExtendedVector value = ExtendedVector::Zero(state_.size());
-  value.head<4>() = envelope;
-  value[at.gamma] = parameters_.initial_gamma1;
-  value[at.gamma + 1] = parameters_.initial_gamma2;
-  value[at.mu] = parameters_.initial_mu1;
-  value[at.mu + 1] = parameters_.initial_mu2;
-  value[at.drive_gain] = drive_gain;
-  if (at.decay_rate >= 0) value[at.decay_rate] = state_.nominalDecayRate();
-  if (at.frequency >= 0) value[at.frequency] = angular_frequency / kTwoPi;
-
-  ExtendedVector sigma = initialSigmas(state_, parameters_, value);
-  sigma.head<4>().setConstant(restartSigma(envelope.norm()));
-  const ExtendedMatrix slope = state_.linearByPhysical(value);
+  ExtendedVector sigma = priorSigma(state_, parameters_, physical);
+  sigma.head<4>().setConstant(restartSigma(physical.head<4>().norm()));
+  const ExtendedMatrix slope = state_.linearByPhysical(physical);
   const ExtendedMatrix prior = slope * sigma.cwiseAbs2().asDiagonal() * slope.transpose();
-  const ExtendedVector scale = slope.cwiseAbs() * sigma;
-  ExtendedVector growth = slope.cwiseAbs2() * walks(state_, parameters_, value).cwiseAbs2();
+  ExtendedVector scale = slope.cwiseAbs() * sigma;
+  scale.head<4>().setOnes();
+  ExtendedVector growth = slope.cwiseAbs2() * parameterWalk(state_, parameters_, physical).cwiseAbs2();
   growth.head<4>().setZero();
-  ExtendedVector unit = scale;
-  unit.head<4>().setOnes();
-  filter_.initialise(state_.linear(value), prior, unit, growth);
+  const ExtendedVector linear = state_.linear(physical);
+  filter_.initialise(linear, prior, scale, growth);
   scaled_ = true;
+  chained_ = false;
+  if (at.pickoff_cubic >= 0) {
+    cubic_at_start_ = physical[at.pickoff_cubic];
+    filter_.linearise(linear);
+  }
 }
 
 }  // namespace ring_gyro

@@ -106,8 +106,7 @@ double ExtendedState::angularFrequency(const ExtendedVector& linear) const {
 }
 
 Complex ExtendedState::driveGain(const ExtendedVector& linear) const {
-  return {linear[layout_.drive_gain],
-          layout_.drive_phase < 0 ? 0.0 : linear[layout_.drive_phase]};
+  return {linear[layout_.drive_gain], layout_.drive_phase < 0 ? 0.0 : linear[layout_.drive_phase]};
 }
 
 // Linear coordinates that differ from the physical ones: decay rate times gamma; re and im of

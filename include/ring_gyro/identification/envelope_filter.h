@@ -14,9 +14,10 @@ struct EnvelopeUpdate {
   double normalised_innovation_squared = 0.0;
 };
 
-/// Extended Kalman filter on the envelope model that takes the mean of the measured envelope over an
-/// interval as one measurement: the technique of IntervalFilter, with four rows and as many states
-/// as the chosen groups make. Works in linear coordinates (ExtendedState). Does not allocate.
+/// Extended Kalman filter on the envelope model that takes the mean of the measured envelope over
+/// an interval as one measurement: the technique of IntervalFilter, with four rows and as many
+/// states as the chosen groups make. Works in linear coordinates (ExtendedState). Does not
+/// allocate.
 class EnvelopeFilter {
  public:
   /// `sample_variance`: of each part of the envelope in a sample, white [V^2]; `rate_density`: of
@@ -35,7 +36,16 @@ class EnvelopeFilter {
   /// uncertainties of envelope and rates stay under a tenth of the noise of the mean of `samples`.
   bool isLinearOver(double duration, int samples, const EnvelopeInput& input) const;
 
-  void step(const EnvelopeInput& input, double duration);
+  /// From now on linearise at these parameters (linear coordinates) and at the measured envelope,
+  /// not at the estimate: an estimate that wanders while little is known would make the filter see
+  /// what is not there. To be called between intervals.
+  void linearise(const ExtendedVector& nominal);
+  /// From now on linearise at the estimate, as an extended Kalman filter does.
+  void lineariseAtEstimate() { at_estimate_ = true; }
+  bool linearisesAtEstimate() const { return at_estimate_; }
+
+  /// `measured`: envelope in the middle of the step [V]; used when not linearising at the estimate.
+  void step(const EnvelopeInput& input, const Eigen::Vector4d& measured, double duration);
   /// Adds a measured envelope [V] to the interval's mean.
   void sample(const Eigen::Vector4d& measured);
   /// Ends the interval with its update and starts the next.
@@ -53,8 +63,10 @@ class EnvelopeFilter {
   double rate_density_;
   ExtendedVector scale_;
   ExtendedVector value_;
-  ExtendedMatrix covariance_;        // of the scaled state
-  ExtendedVector variance_growth_;   // of the scaled state [1/s]
+  ExtendedMatrix covariance_;       // of the scaled state
+  ExtendedVector variance_growth_;  // of the scaled state [1/s]
+  bool at_estimate_ = true;
+  ExtendedVector nominal_;  // where to linearise otherwise
 
   // The running interval.
   Eigen::Vector4d envelope_;

@@ -12,12 +12,18 @@ using EnvelopeSensitivity = Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMost
 struct EnvelopeInput {
   Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();  ///< commanded envelope, with its step [V]
   double reference_frequency = 0.0;                   ///< w [rad/s]
-  double theta = 0.0;          ///< measured, in the middle of the step [rad]
-  double rotation_rate = 0.0;  ///< k Om, as far as it is known [rad/s]
+  double theta = 0.0;                                 ///< measured, in the middle of the step [rad]
+  double rotation_rate = 0.0;                         ///< k Om, as far as it is known [rad/s]
 };
 
-/// One step of the envelope: after = transition before + force; `by_parameters` is the derivative
-/// of `after` with respect to the linear parameters (states from 4 on).
+/// Where the model is linearised: an envelope and parameters (linear coordinates).
+struct EnvelopePoint {
+  const Eigen::Vector4d& envelope;
+  const ExtendedVector& linear;
+};
+
+/// One step of the envelope and its derivatives, with respect to the envelope before and to the
+/// linear parameters (states from 4 on).
 struct EnvelopeStep {
   Eigen::Vector4d after;
   Eigen::Matrix4d transition;
@@ -36,10 +42,11 @@ class EnvelopeModel {
  public:
   explicit EnvelopeModel(const ExtendedState& state) : state_(state) {}
 
-  /// Over `duration` [s]: exact to fourth order in rate times duration for the envelope, to second
-  /// for the derivatives.
+  /// Over `duration` [s] from `envelope`, by the model as linearised at `nominal`. At the point
+  /// itself exact to fourth order in rate times duration, the derivatives to second.
   void step(const Eigen::Vector4d& envelope, const ExtendedVector& linear,
-            const EnvelopeInput& input, double duration, EnvelopeStep& step) const;
+            const EnvelopePoint& nominal, const EnvelopeInput& input, double duration,
+            EnvelopeStep& step) const;
 
   /// Rate of the envelope with respect to the linear parameters, first order [V/s per unit].
   EnvelopeSensitivity rateByParameters(const Eigen::Vector4d& envelope,
@@ -54,6 +61,8 @@ class EnvelopeModel {
     Eigen::Vector4d by_cubic;
   };
   Measurement measure(const Eigen::Vector4d& envelope, const ExtendedVector& linear) const;
+  /// The envelope that pick-offs with the cubic term of `linear` show as `measured`.
+  Eigen::Vector4d undistorted(const Eigen::Vector4d& measured, const ExtendedVector& linear) const;
 
   const ExtendedState& state() const { return state_; }
 

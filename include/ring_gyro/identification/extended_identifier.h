@@ -10,6 +10,7 @@
 #include "ring_gyro/identification/block_chain.h"
 #include "ring_gyro/identification/envelope_filter.h"
 #include "ring_gyro/identification/extended_parameters.h"
+#include "ring_gyro/identification/extended_prior.h"
 
 namespace ring_gyro {
 
@@ -28,6 +29,9 @@ struct ExtendedEstimate {
   double normalised_innovation_squared = 0.0;                       ///< 4 is expected
   /// Whether the whole period was one update, and the innovation that of its mean.
   bool whole_period = false;
+  /// Whether the filter will not start again for the cubic term's sake; until then innovations and
+  /// sigmas are of a first guess.
+  bool settled = false;
   double angle_covered = 0.0;   ///< span of theta seen [rad]
   double quality_factor = 0.0;  ///< w0 / (2 xi0 w0)
 
@@ -37,8 +41,15 @@ struct ExtendedEstimate {
 /// The identifier on the envelope of both axes, so that the angle and the phase are measurements
 /// beside a and b: gamma, mu and ks, and what the options of ExtendedParameters add.
 ///
-/// Rules for usable blocks, gaps and periods are those of Identifier. The first complete period only
-/// sets the scale of ks, by the balance of drive and damping, and the first f0, by the rate of phi.
+/// Rules for usable blocks, gaps and periods are those of Identifier. The first complete period
+/// only sets the scale of ks, by the balance of drive and damping, and the first f0, by the rate of
+/// phi.
+///
+/// The model is linear in the parameters but for the cubic pick-off, which also says what the size
+/// of the orbit is. While that term is being found the filter is linearised at fixed parameters;
+/// when it is found, the filter starts again from what was found, without the data so far: once for
+/// the other parameters' sake, and on until it finds what it started from. From then on it is
+/// linearised at the estimate. Each pass takes some seconds of a turning pattern.
 class ExtendedIdentifier {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
@@ -61,7 +72,8 @@ class ExtendedIdentifier {
   void propagate(std::uint64_t sequence);
   void breakChain();
   bool setScale(std::uint64_t sequence);
-  void start(const Eigen::Vector4d& envelope, double drive_gain, double angular_frequency);
+  void reconsiderCubic();
+  void start(const ExtendedVector& physical);
   ExtendedEstimate finishPeriod(const BlockStamp& stamp);
   double restartSigma(double amplitude) const;
 
@@ -80,15 +92,15 @@ class ExtendedIdentifier {
   std::uint64_t lost_ = 0;
 
   bool scaled_ = false;
+  double cubic_at_start_ = 0.0;  // what the filter's cubic term started from [1/V^2]
+  bool cubic_settled_ = false;
+  bool first_pass_ = true;
   bool chained_ = false;    // the filter's envelope is that at the end of the last period
   bool complete_ = false;   // the present period has had nothing but usable blocks
   bool by_blocks_ = false;  // the present period is filtered block by block
   EnvelopeUpdate update_;
   std::uint64_t blocks_in_period_ = 0;
-  double amplitude_sum_ = 0.0;
-  double frequency_sum_ = 0.0;
-  double drive_sum_ = 0.0;
-  double phi_at_start_ = 0.0;
+  FirstLookSum first_look_;
   double lowest_theta_ = 0.0;
   double highest_theta_ = 0.0;
   double lowest_theta_in_period_ = 0.0;

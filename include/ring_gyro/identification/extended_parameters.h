@@ -13,15 +13,15 @@ struct ExtendedParameters {
   double quality_factor = 0.0;     ///< Q; where `quality` starts from
   double update_period = 0.1;      ///< whole blocks [s]
 
-  bool quality = true;            ///< decay rate xi0 w0
-  bool frequency = true;          ///< f0
-  bool drive_matrix = false;      ///< phase, gain and phase mismatch of drive times sense path
-  bool drive_rotation = false;    ///< drive turned against the sense axes
-  bool drift_bias = false;        ///< drift and quadrature that are the same at every angle
-  bool sense_matrix = false;      ///< mismatch of the sense path; needs a known rotation
-  bool rotation_scale = false;    ///< scale of the known rotation: k beyond what it is told as
-  bool pickoff_cubic = false;     ///< x reads x (1 + c x^2)
-  bool estimate_rotation = false; ///< rotation of the case, instead of taking it as known
+  bool quality = true;                 ///< decay rate xi0 w0
+  bool frequency = true;               ///< f0
+  bool drive_matrix = false;           ///< phase, gain and phase mismatch of drive times sense path
+  bool drive_rotation = false;         ///< drive turned against the sense axes
+  bool drift_bias = false;             ///< drift and quadrature that are the same at every angle
+  bool sense_matrix = false;           ///< mismatch of the sense path; needs a known rotation
+  bool rotation_scale = false;         ///< scale of the known rotation: k beyond what it is told as
+  bool pickoff_cubic = false;          ///< x reads x (1 + c x^2)
+  bool estimate_rotation = false;      ///< rotation of the case, instead of taking it as known
   std::vector<double> even_harmonics;  ///< orders of the drift in the pattern angle
   std::vector<double> odd_harmonics;   ///< orders of the angle scale; needs a known rotation
 
@@ -33,17 +33,18 @@ struct ExtendedParameters {
   double initial_mu1 = 0.0;
   double initial_mu2 = 0.0;
   double initial_drive_gain = 0.0;  ///< ks; 0: from the balance of the first period [1/s^2]
+  double initial_cubic = 0.0;       ///< of the pick-off [1/V^2]
 
   double initial_gamma_sigma = 0.1;
   double initial_mu_sigma = 1e-4;
-  double initial_drive_gain_sigma = 0.5;   ///< relative
-  double initial_quality_sigma = 0.5;      ///< relative
-  double initial_drive_phase_sigma = 0.05; ///< common and of the axes [rad]
-  double initial_mismatch_sigma = 0.05;    ///< of gains, skew and rotation of drive and sense
-  double initial_drift_sigma = 0.02;       ///< of the bias and of each harmonic [rad/s]
-  double initial_scale_sigma = 0.02;       ///< of each harmonic of the angle scale
-  double initial_cubic_sigma = 0.05;       ///< [1/V^2]
-  double initial_rotation_sigma = 1.0;     ///< [rad/s]
+  double initial_drive_gain_sigma = 0.5;    ///< relative
+  double initial_quality_sigma = 0.5;       ///< relative
+  double initial_drive_phase_sigma = 0.05;  ///< common and of the axes [rad]
+  double initial_mismatch_sigma = 0.05;     ///< of gains, skew and rotation of drive and sense
+  double initial_drift_sigma = 0.02;        ///< of the bias and of each harmonic [rad/s]
+  double initial_scale_sigma = 0.02;        ///< of each harmonic of the angle scale
+  double initial_cubic_sigma = 0.05;        ///< [1/V^2]
+  double initial_rotation_sigma = 1.0;      ///< [rad/s]
 
   double gamma_walk = 0.0;       ///< random walk [1/sqrt(s)]
   double mu_walk = 0.0;          ///< random walk [1/sqrt(s)]

@@ -13,9 +13,8 @@ namespace ring_gyro {
 constexpr int kMostExtendedStates = 64;
 /// Sized at run time, stored in place: no allocation.
 using ExtendedVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostExtendedStates, 1>;
-using ExtendedMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostExtendedStates,
-                  kMostExtendedStates>;
+using ExtendedMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostExtendedStates,
+                                     kMostExtendedStates>;
 
 /// Which states the chosen groups of ExtendedParameters make, and what they mean.
 ///
@@ -49,7 +48,7 @@ class ExtendedState {
     int decay_rate = -1;
     int frequency = -1;
     int drive_phase = -1;
-    int mismatch = -1;  // gain mismatch, gain skew, phase mismatch, phase skew
+    int mismatch = -1;        // gain mismatch, gain skew, phase mismatch, phase skew
     int drive_rotation = -1;  // turn, phase of the turn
     int drift_bias = -1;      // drift, quadrature
     int even_harmonics = -1;
@@ -62,10 +61,10 @@ class ExtendedState {
   const Layout& layout() const { return layout_; }
   const std::vector<int>& evenOrders() const { return even_orders_; }
   const std::vector<int>& oddOrders() const { return odd_orders_; }
-  double nominalDecayRate() const { return nominal_decay_rate_; }    ///< [1/s]
-  double nominalFrequency() const { return nominal_frequency_; }     ///< w0 [rad/s]
-  double decayRate(const ExtendedVector& linear) const;              ///< xi0 w0 [1/s]
-  double angularFrequency(const ExtendedVector& linear) const;       ///< w0 [rad/s]
+  double nominalDecayRate() const { return nominal_decay_rate_; }      ///< [1/s]
+  double nominalFrequency() const { return nominal_frequency_; }       ///< w0 [rad/s]
+  double decayRate(const ExtendedVector& linear) const;                ///< xi0 w0 [1/s]
+  double angularFrequency(const ExtendedVector& linear) const;         ///< w0 [rad/s]
   std::complex<double> driveGain(const ExtendedVector& linear) const;  ///< ks e^{-ip} [1/s^2]
 
  private:

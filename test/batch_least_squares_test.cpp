@@ -1,0 +1,82 @@
+// The batch fit: exact without noise, from any guess, and what the filter comes near.
+
+#include "ring_gyro/identification/batch_least_squares.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "averaged_loop.h"
+#include "ring_gyro/identification/extended_identifier.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr double kNoise = 5e-6;  // [V/sqrt(Hz)]
+
+ExtendedParameters parametersFor(const AveragedLoop::Options& options) {
+  ExtendedParameters parameters;
+  parameters.natural_frequency = options.natural_frequency;
+  parameters.quality_factor = 0.8 * options.quality_factor;
+  parameters.noise_density = kNoise;
+  parameters.envelope_process_noise = 0.0;
+  return parameters;
+}
+
+TEST(BatchLeastSquares, FindsTheDeviceFromAWrongGuess) {
+  const AveragedLoop::Options options;
+  ExtendedParameters parameters = parametersFor(options);
+  parameters.initial_drive_gain = 10.0 * options.device.drive_gain;
+  parameters.initial_drive_gain_sigma = 1.0;
+  parameters.initial_gamma1 = -options.device.gamma1;
+  parameters.initial_gamma2 = -options.device.gamma2;
+  BatchLeastSquares fit(parameters, ConverterParameters());
+  AveragedLoop loop(options);
+  for (int n = 0; n < 20000; ++n) {
+    const AveragedLoop::Output output = loop.step();
+    fit.add(output.elements, output.gains);
+  }
+  const BatchEstimate estimate = fit.solve();
+  EXPECT_TRUE(estimate.converged);
+  EXPECT_LE(estimate.passes, 8);
+  EXPECT_NEAR(estimate.value[4], options.device.gamma1, 1e-6);
+  EXPECT_NEAR(estimate.value[5], options.device.gamma2, 1e-6);
+  EXPECT_NEAR(estimate.value[6], options.device.mu1, 1e-9);
+  EXPECT_NEAR(estimate.value[7], options.device.mu2, 1e-9);
+  EXPECT_NEAR(estimate.value[8] / options.device.drive_gain, 1.0, 1e-6);
+}
+
+TEST(BatchLeastSquares, AgreesWithTheFilterOverGapsAndExplainsTheNoise) {
+  AveragedLoop::Options options;
+  options.noise_density = kNoise;
+  const ExtendedParameters parameters = parametersFor(options);
+  BatchLeastSquares fit(parameters, ConverterParameters());
+  ExtendedIdentifier identifier(parameters, ConverterParameters());
+  AveragedLoop loop(options);
+  ExtendedEstimate last;
+  for (int n = 0; n < 60000; ++n) {
+    AveragedLoop::Output output = loop.step();
+    output.elements.status.converter_saturated = n % 17000 == 16500;
+    fit.add(output.elements, output.gains);
+    if (const auto estimate = identifier.process(output.elements, output.gains)) last = *estimate;
+  }
+  const BatchEstimate estimate = fit.solve();
+  EXPECT_TRUE(estimate.converged);
+  EXPECT_NEAR(estimate.chi_square / estimate.residuals, 1.0,
+              4.0 * std::sqrt(2.0 / estimate.residuals));
+  for (Eigen::Index k = 4; k < estimate.value.size(); ++k) {
+    const double sigma = std::sqrt(estimate.covariance(k, k));
+    // The filter does not use its first period, nor that of a gap.
+    EXPECT_NEAR(last.sigma(k) / sigma, 1.0, 0.03) << k;
+    EXPECT_NEAR(last.value[k], estimate.value[k], 0.5 * sigma) << k;
+  }
+}
+
+TEST(BatchLeastSquares, SaysWhenThereIsNothingToFit) {
+  BatchLeastSquares fit(parametersFor(AveragedLoop::Options()), ConverterParameters());
+  EXPECT_THROW(fit.solve(), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace ring_gyro
