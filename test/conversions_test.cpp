@@ -38,6 +38,15 @@ class Values {
   }
   bool nextFlag() { return generator_() % 2 == 0; }
   std::uint64_t nextCount() { return generator_(); }
+  AngleHarmonics nextHarmonics(int orders) {
+    AngleHarmonics function;
+    function.constant = next();
+    for (int i = 0; i < orders; ++i) {
+      function.cosine.push_back(next());
+      function.sine.push_back(next());
+    }
+    return function;
+  }
   BlockStamp nextStamp() {
     BlockStamp stamp;
     stamp.session = static_cast<std::uint32_t>(generator_());
@@ -114,6 +123,7 @@ TEST(Conversions, DriveCommand) {
   command.reference_frequency = values.next();
   command.envelope = values.nextEnvelope();
   command.table_rate = values.next();
+  command.end_of_run = true;
   expectSameBits<ring_gyro_msgs::DriveCommand>(
       command, [&](const DriveCommand& from, ring_gyro_msgs::DriveCommand& to) {
         toMessage(from, answered, to);
@@ -194,6 +204,45 @@ TEST(Conversions, CompensationDecision) {
       decision, [&](const CompensationDecision& from, ring_gyro_msgs::CompensationGains& to) {
         toMessage(from, stamp, to);
       });
+}
+
+TEST(Conversions, CalibrationCommand) {
+  Values values;
+  for (int orders = 0; orders <= 8; ++orders) {
+    const BlockStamp data = values.nextStamp();
+    CalibrationCommand command;
+    command.session = data.session;
+    command.effective_sequence = values.nextCount();
+    command.leg = "identification 1 at +40 deg/s";
+    command.time_left = values.next();
+    command.finished = values.nextFlag();
+    command.failure = orders % 2 == 0 ? "" : "the loops have not been locked";
+    LoopSettings& settings = command.settings;
+    settings.virtual_rate = values.next();
+    settings.table_rate = values.next();
+    settings.amplitude_modulation = values.next();
+    settings.amplitude_modulation_frequency = values.next();
+    settings.end_of_run = values.nextFlag();
+    Calibration& calibration = settings.calibration;
+    for (bool* const flag :
+         {&calibration.correct_pickoff, &calibration.correct_phase,
+          &calibration.correct_drive_gains, &calibration.correct_phase_mismatch,
+          &calibration.cancel_damping, &calibration.cancel_drift, &calibration.map_angle}) {
+      *flag = values.nextFlag();
+    }
+    DrivePath& path = calibration.drive_path;
+    for (double* const number :
+         {&calibration.pickoff_cubic, &path.phase, &path.mismatch, &path.skew, &path.phase_mismatch,
+          &path.phase_skew, &calibration.gamma1, &calibration.gamma2}) {
+      *number = values.next();
+    }
+    calibration.drift = values.nextHarmonics(orders);
+    calibration.angle_map = values.nextHarmonics(8 - orders);
+    expectSameBits<ring_gyro_msgs::CalibrationCommand>(
+        command, [&](const CalibrationCommand& from, ring_gyro_msgs::CalibrationCommand& to) {
+          toMessage(from, data, to);
+        });
+  }
 }
 
 TEST(Conversions, PlantTruth) {
