@@ -6,10 +6,13 @@
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <string>
+#include <variant>
 #include <vector>
 
 #include "message_bytes.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/ros/message_pool.h"
 
 namespace ring_gyro {
@@ -38,15 +41,6 @@ class Values {
   }
   bool nextFlag() { return generator_() % 2 == 0; }
   std::uint64_t nextCount() { return generator_(); }
-  AngleHarmonics nextHarmonics(int orders) {
-    AngleHarmonics function;
-    function.constant = next();
-    for (int i = 0; i < orders; ++i) {
-      function.cosine.push_back(next());
-      function.sine.push_back(next());
-    }
-    return function;
-  }
   BlockStamp nextStamp() {
     BlockStamp stamp;
     stamp.session = static_cast<std::uint32_t>(generator_());
@@ -206,6 +200,27 @@ TEST(Conversions, CompensationDecision) {
       });
 }
 
+/// Every parameter of a calibration, so that none can be left out of the message.
+Calibration anyCalibration(Values& values, int orders) {
+  Calibration calibration;
+  ParameterTable table;
+  calibration.declare(table);
+  for (const Parameter& parameter : table.parameters()) {
+    if (const auto* flag = std::get_if<bool*>(&parameter.target)) **flag = values.nextFlag();
+    if (const auto* number = std::get_if<double*>(&parameter.target)) **number = values.next();
+    if (const auto* list = std::get_if<std::vector<double>*>(&parameter.target)) {
+      for (int i = 0; i < orders; ++i) (*list)->push_back(values.next());
+    }
+  }
+  return calibration;
+}
+
+std::string parametersOf(Calibration calibration) {
+  Sections sections = {{"calibration", {}}};
+  calibration.declare(sections[0].table);
+  return configurationYaml(sections);
+}
+
 TEST(Conversions, CalibrationCommand) {
   Values values;
   for (int orders = 0; orders <= 8; ++orders) {
@@ -223,25 +238,18 @@ TEST(Conversions, CalibrationCommand) {
     settings.amplitude_modulation = values.next();
     settings.amplitude_modulation_frequency = values.next();
     settings.end_of_run = values.nextFlag();
-    Calibration& calibration = settings.calibration;
-    for (bool* const flag :
-         {&calibration.correct_pickoff, &calibration.correct_phase,
-          &calibration.correct_drive_gains, &calibration.correct_phase_mismatch,
-          &calibration.cancel_damping, &calibration.cancel_drift, &calibration.map_angle}) {
-      *flag = values.nextFlag();
-    }
-    DrivePath& path = calibration.drive_path;
-    for (double* const number :
-         {&calibration.pickoff_cubic, &path.phase, &path.mismatch, &path.skew, &path.phase_mismatch,
-          &path.phase_skew, &calibration.gamma1, &calibration.gamma2}) {
-      *number = values.next();
-    }
-    calibration.drift = values.nextHarmonics(orders);
-    calibration.angle_map = values.nextHarmonics(8 - orders);
+    settings.calibration = anyCalibration(values, orders);
+    settings.calibration.angle_map.constant = values.next();
     expectSameBits<ring_gyro_msgs::CalibrationCommand>(
         command, [&](const CalibrationCommand& from, ring_gyro_msgs::CalibrationCommand& to) {
           toMessage(from, data, to);
         });
+    ring_gyro_msgs::CalibrationCommand message;
+    toMessage(command, data, message);
+    CalibrationCommand copy;
+    fromMessage(message, copy);
+    EXPECT_EQ(parametersOf(copy.settings.calibration), parametersOf(settings.calibration));
+    EXPECT_EQ(message.data_sequence, data.sequence);
   }
 }
 

@@ -74,8 +74,10 @@ void calibrationToMessage(const Calibration& calibration, ring_gyro_msgs::Calibr
   message.drive_phase = calibration.drive_path.phase;
   message.drive_mismatch = calibration.drive_path.mismatch;
   message.drive_skew = calibration.drive_path.skew;
+  message.drive_rotation = calibration.drive_path.rotation;
   message.phase_mismatch = calibration.drive_path.phase_mismatch;
   message.phase_skew = calibration.drive_path.phase_skew;
+  message.rotation_phase = calibration.drive_path.rotation_phase;
   message.gamma_1 = calibration.gamma1;
   message.gamma_2 = calibration.gamma2;
   harmonicsToMessage(calibration.drift, message.drift_constant, message.drift_cosine,
@@ -94,8 +96,13 @@ Calibration calibrationFromMessage(const ring_gyro_msgs::Calibration& message) {
   calibration.cancel_drift = message.cancel_drift != 0;
   calibration.map_angle = message.map_angle != 0;
   calibration.pickoff_cubic = message.pickoff_cubic;
-  calibration.drive_path = {message.drive_phase, message.drive_mismatch, message.drive_skew,
-                            message.phase_mismatch, message.phase_skew};
+  calibration.drive_path.phase = message.drive_phase;
+  calibration.drive_path.mismatch = message.drive_mismatch;
+  calibration.drive_path.skew = message.drive_skew;
+  calibration.drive_path.rotation = message.drive_rotation;
+  calibration.drive_path.phase_mismatch = message.phase_mismatch;
+  calibration.drive_path.phase_skew = message.phase_skew;
+  calibration.drive_path.rotation_phase = message.rotation_phase;
   calibration.gamma1 = message.gamma_1;
   calibration.gamma2 = message.gamma_2;
   calibration.drift = {message.drift_constant, message.drift_cosine, message.drift_sine};
