@@ -68,6 +68,13 @@ TEST(ConfigurationReader, TakesEveryTextThatIsWhollyANumber) {
   EXPECT_TRUE(readConfiguration(root).control.compensation);
 }
 
+TEST(ConfigurationReader, TakesTextThatIsANumberWithinListsToo) {
+  YAML::Node root = minimal();
+  root["calibration"]["drift_cosine"] = YAML::Load("[0, '1e-07', \"-2.5e-3\", 4e-1]");
+  EXPECT_EQ(readConfiguration(root).calibration.drift.cosine,
+            (std::vector<double>{0.0, 1e-7, -2.5e-3, 0.4}));
+}
+
 TEST(ConfigurationReader, NamesWhatIsMissing) {
   YAML::Node root = minimal();
   root["device"].remove("drive_gain");

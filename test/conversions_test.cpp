@@ -6,10 +6,13 @@
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <string>
+#include <variant>
 #include <vector>
 
 #include "message_bytes.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/ros/message_pool.h"
 
 namespace ring_gyro {
@@ -114,6 +117,7 @@ TEST(Conversions, DriveCommand) {
   command.reference_frequency = values.next();
   command.envelope = values.nextEnvelope();
   command.table_rate = values.next();
+  command.end_of_run = true;
   expectSameBits<ring_gyro_msgs::DriveCommand>(
       command, [&](const DriveCommand& from, ring_gyro_msgs::DriveCommand& to) {
         toMessage(from, answered, to);
@@ -194,6 +198,59 @@ TEST(Conversions, CompensationDecision) {
       decision, [&](const CompensationDecision& from, ring_gyro_msgs::CompensationGains& to) {
         toMessage(from, stamp, to);
       });
+}
+
+/// Every parameter of a calibration, so that none can be left out of the message.
+Calibration anyCalibration(Values& values, int orders) {
+  Calibration calibration;
+  ParameterTable table;
+  calibration.declare(table);
+  for (const Parameter& parameter : table.parameters()) {
+    if (const auto* flag = std::get_if<bool*>(&parameter.target)) **flag = values.nextFlag();
+    if (const auto* number = std::get_if<double*>(&parameter.target)) **number = values.next();
+    if (const auto* list = std::get_if<std::vector<double>*>(&parameter.target)) {
+      for (int i = 0; i < orders; ++i) (*list)->push_back(values.next());
+    }
+  }
+  return calibration;
+}
+
+std::string parametersOf(Calibration calibration) {
+  Sections sections = {{"calibration", {}}};
+  calibration.declare(sections[0].table);
+  return configurationYaml(sections);
+}
+
+TEST(Conversions, CalibrationCommand) {
+  Values values;
+  for (int orders = 0; orders <= 8; ++orders) {
+    const BlockStamp data = values.nextStamp();
+    CalibrationCommand command;
+    command.session = data.session;
+    command.effective_sequence = values.nextCount();
+    command.leg = "identification 1 at +40 deg/s";
+    command.time_left = values.next();
+    command.finished = values.nextFlag();
+    command.failure = orders % 2 == 0 ? "" : "the loops have not been locked";
+    LoopSettings& settings = command.settings;
+    settings.virtual_rate = values.next();
+    settings.table_rate = values.next();
+    settings.amplitude_modulation = values.next();
+    settings.amplitude_modulation_frequency = values.next();
+    settings.end_of_run = values.nextFlag();
+    settings.calibration = anyCalibration(values, orders);
+    settings.calibration.angle_map.constant = values.next();
+    expectSameBits<ring_gyro_msgs::CalibrationCommand>(
+        command, [&](const CalibrationCommand& from, ring_gyro_msgs::CalibrationCommand& to) {
+          toMessage(from, data, to);
+        });
+    ring_gyro_msgs::CalibrationCommand message;
+    toMessage(command, data, message);
+    CalibrationCommand copy;
+    fromMessage(message, copy);
+    EXPECT_EQ(parametersOf(copy.settings.calibration), parametersOf(settings.calibration));
+    EXPECT_EQ(message.data_sequence, data.sequence);
+  }
 }
 
 TEST(Conversions, PlantTruth) {

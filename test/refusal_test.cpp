@@ -15,8 +15,8 @@
 namespace ring_gyro {
 namespace {
 
-const char* const kNodes[] = {"plant_simulator", "control_loops", "ekf_identifier",
-                              "compensation_injector", "bag_recorder"};
+const char* const kNodes[] = {"plant_simulator",       "control_loops", "ekf_identifier",
+                              "compensation_injector", "calibration",   "bag_recorder"};
 
 struct Outcome {
   std::string text;  // of both streams
@@ -60,6 +60,7 @@ void setFaultyParameters(const std::string& name) {
   ros::param::set("/" + name + "/run/seed", -1);
   ros::param::set("/" + name + "/control/virtul_rate", 0.2);
   ros::param::set("/" + name + "/node/lockstep", 3);
+  ros::param::set("/" + name + "/calibration_run/drift_rounds", 0);
 }
 
 TEST(Refusal, EveryNodeNamesEveryFaultOnALine) {
@@ -73,7 +74,8 @@ TEST(Refusal, EveryNodeNamesEveryFaultOnALine) {
           "control/virtual_rate = fast: not a number; allowed: [-100, 100] [rad/s]",
           "run/seed = -1: out of range; allowed: [0, 2.14748e+09], whole",
           "control/virtul_rate = 0.2: unknown parameter; did you mean control/virtual_rate?",
-          "node/lockstep = 3: not true or false"}) {
+          "node/lockstep = 3: not true or false",
+          "calibration_run/drift_rounds = 0: out of range; allowed: [1, 10], whole"}) {
       const std::string line = lineWith(outcome.text, fault);
       EXPECT_NE(line.find("FATAL"), std::string::npos) << node << ": " << fault << "\n"
                                                        << outcome.text;
@@ -90,10 +92,44 @@ TEST(Refusal, WhatTheCoreRefusesIsFatalToo) {
       << outcome.text;
 }
 
+TEST(Refusal, CalibrationNeedsAFileAndNoDurationAndLoopsThatListen) {
+  setGoodParameters("careless");
+  const Outcome outcome = run("calibration", "careless");
+  EXPECT_GT(outcome.exit_code, 0);
+  for (const char* fault :
+       {"node/calibration_file: missing", "run/duration = 130: a calibration run lasts until it",
+        "control/calibration_run = false: the loops would not do what"}) {
+    EXPECT_NE(lineWith(outcome.text, fault).find("FATAL"), std::string::npos) << outcome.text;
+  }
+}
+
+TEST(Refusal, CalibrationIsToldBeforeTheRunThatItsFileCannotBeWritten) {
+  setGoodParameters("nowhere");
+  ros::param::set("/nowhere/node/calibration_file", "/no/such/folder/calibration.yaml");
+  ros::param::set("/nowhere/run/duration", 0.0);
+  ros::param::set("/nowhere/control/calibration_run", true);
+  const Outcome outcome = run("calibration", "nowhere");
+  EXPECT_GT(outcome.exit_code, 0);
+  EXPECT_NE(lineWith(outcome.text, "calibration.yaml: cannot be written").find("FATAL"),
+            std::string::npos)
+      << outcome.text;
+}
+
+TEST(Refusal, LoopsTakeTheDampingCompensationFromOneNodeOnly) {
+  setGoodParameters("two_masters");
+  ros::param::set("/two_masters/control/compensation", true);
+  ros::param::set("/two_masters/control/calibration_run", true);
+  const Outcome outcome = run("control_loops", "two_masters");
+  EXPECT_GT(outcome.exit_code, 0);
+  EXPECT_NE(lineWith(outcome.text, "compensation and calibration_run cannot both").find("FATAL"),
+            std::string::npos)
+      << outcome.text;
+}
+
 TEST(Refusal, ManagerDoesNotLoadAFaultyNodelet) {
   ASSERT_TRUE(ros::service::waitForService("/manager/load_nodelet", ros::Duration(30.0)));
-  for (const std::string node :
-       {"plant_simulator", "control_loops", "ekf_identifier", "compensation_injector"}) {
+  for (const std::string node : {"plant_simulator", "control_loops", "ekf_identifier",
+                                 "compensation_injector", "calibration"}) {
     const std::string name = "faulty_nodelet_" + node;
     setFaultyParameters(name);
     nodelet::NodeletLoad load;

@@ -429,7 +429,8 @@ Calibration CalibrationProcedure::calibrationForDevice() const {
 LoopSettings CalibrationProcedure::settings() const {
   LoopSettings settings;
   settings.calibration = calibration_;
-  if (finished_ || !failure_.empty()) return settings;
+  settings.end_of_run = finished_ || !failure_.empty();
+  if (settings.end_of_run) return settings;
   const Leg& leg = legs_.front();
   settings.virtual_rate = leg.virtual_rate;
   settings.table_rate = leg.table_rate;

@@ -27,4 +27,12 @@ void writeWholeFile(const std::string& path, const std::string& text) {
   }
 }
 
+void requireWritable(const std::string& path) {
+  const std::string temporary = path + ".part";
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  if (!file) fail(path, temporary);
+  std::fclose(file);
+  std::remove(temporary.c_str());
+}
+
 }  // namespace ring_gyro

@@ -22,6 +22,7 @@ void NodeParameters::declare(ParameterTable& table) {
       .text("imu_frame", imu_frame, {}, "frame_id of the sensed rate")
       .text("bag", bag, {}, "file that the recorder writes")
       .flag("record_raw", record_raw, "record samples and drive commands too")
+      .text("calibration_file", calibration_file, {}, "YAML file that a calibration run writes")
       .text("report", report, {}, "JSON file that the identifier writes at its end")
       .text("replay", replay, {},
             "bag whose replay the identifier listens to: it ends when all of it has come")

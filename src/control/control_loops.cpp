@@ -37,6 +37,11 @@ const ControlParameters& checked(const ControlParameters& p) {
     throw std::invalid_argument(
         "control: natural_frequency, quality_factor and drive_gain must be above zero");
   }
+  if (p.compensation && p.calibration_run) {
+    throw std::invalid_argument(
+        "control: compensation and calibration_run cannot both be true, each sets the damping "
+        "compensation");
+  }
   return p;
 }
 
@@ -65,8 +70,12 @@ ControlLoops::ControlLoops(const ControlParameters& control,
       phase_lock_(lockBlocks(converter)),
       lead_(demodulator_.groupDelay() + 0.5 * converter.blockDuration()),
       frequency_(kTwoPi * (control.natural_frequency + control.frequency_offset)) {
-  setSettings({control.virtual_rate, 0.0, control.amplitude_modulation,
-               control.amplitude_modulation_frequency, calibration});
+  LoopSettings settings;
+  settings.virtual_rate = control.virtual_rate;
+  settings.amplitude_modulation = control.amplitude_modulation;
+  settings.amplitude_modulation_frequency = control.amplitude_modulation_frequency;
+  settings.calibration = calibration;
+  setSettings(settings);
 }
 
 void ControlLoops::setSettings(const LoopSettings& settings) {
@@ -259,6 +268,7 @@ void ControlLoops::command(const DisplacementBlock& block) {
       (std::polar(1.0, frequency_ * parameters_.hold_delay) / parameters_.hold_gain) *
       (drive_correction_ * total);
   command.table_rate = settings_.table_rate;
+  command.end_of_run = settings_.end_of_run;
 }
 
 }  // namespace ring_gyro

@@ -31,7 +31,8 @@ BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*priva
       writer_(fileName(configuration.node)),
       departure_(handle_, configuration.node, host_, {}, [this] { finish(); }) {
   const auto sequence = [](const auto& message) { return message.sequence; };
-  // No estimate and no decision covers the blocks after the last whole period.
+  // No estimate, decision or command of a calibration covers the blocks after the last whole
+  // period.
   const auto after = [this](std::uint64_t block) { return block + period_blocks_ - 1; };
   record<ring_gyro_msgs::OrbitalElements>(topics::kOrbitalElements, sequence);
   record<ring_gyro_msgs::ControlGains>(topics::kControlGains, sequence);
@@ -40,6 +41,9 @@ BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*priva
       [after](const auto& message) { return after(message.last_sequence); });
   record<ring_gyro_msgs::CompensationGains>(
       topics::kCompensationGains,
+      [after](const auto& message) { return after(message.data_sequence); });
+  record<ring_gyro_msgs::CalibrationCommand>(
+      topics::kCalibrationCommand,
       [after](const auto& message) { return after(message.data_sequence); });
   if (configuration.node.record_raw) {
     record<ring_gyro_msgs::DisplacementBlock>(topics::kDisplacement, sequence);

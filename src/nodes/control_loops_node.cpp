@@ -15,6 +15,13 @@ namespace {
 constexpr double kTick = 0.1;  // of the watch, wall time [s]
 constexpr std::uint32_t kUnlimited = 0;
 
+template <typename Counts>
+void addDecisions(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& what,
+                  const Counts& counts) {
+  status.add("late " + what, counts.late);
+  status.add(what + " of another session", counts.foreign);
+}
+
 }  // namespace
 
 ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
@@ -24,9 +31,12 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
       host_(std::move(host)),
       angular_gain_(configuration.loop.device.angular_gain),
       compensation_(configuration.loop.control.compensation),
+      calibration_run_(configuration.loop.control.calibration_run),
       period_blocks_(configuration.loop.periodBlocks()),
       loops_(configuration.loop.control, configuration.loop.demodulation,
              configuration.loop.converter, configuration.loop.calibration),
+      compensation_decisions_(period_blocks_),
+      calibration_commands_(period_blocks_),
       burst_blocks_(parameters_.lockstep ? static_cast<std::uint64_t>(parameters_.burst_blocks)
                                          : 1),
       command_(Output::advertise<ring_gyro_msgs::DriveCommand>(handle_, topics::kDriveCommand)),
@@ -38,18 +48,32 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
       diagnostics_(handle_, private_handle, private_handle.getNamespace(),
                    [this](auto& status) { report(status); }) {
   if (compensation_) {
-    decision_subscriber_ = handle_.subscribe<ring_gyro_msgs::CompensationGains>(
-        topics::kCompensationGains, kUnlimited,
-        [this](const ring_gyro_msgs::CompensationGains::ConstPtr& message) {
-          onDecision(*message);
-        },
-        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+    decision_subscriber_ = subscribeDecisions<ring_gyro_msgs::CompensationGains>(
+        topics::kCompensationGains, compensation_decisions_);
+  }
+  if (calibration_run_) {
+    decision_subscriber_ = subscribeDecisions<ring_gyro_msgs::CalibrationCommand>(
+        topics::kCalibrationCommand, calibration_commands_);
   }
   const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
   gate_ = std::make_unique<StartGate>(
       handle_,
       std::vector<StartGate::Requirement>{{command_, 1}, {elements_, required}, {gains_, required}},
       [this] { start(); });
+}
+
+template <typename Message, typename Decision>
+ros::Subscriber ControlLoopsNode::subscribeDecisions(const char* topic,
+                                                     DecisionQueue<Decision>& decisions) {
+  return handle_.subscribe<Message>(
+      topic, kUnlimited,
+      [this, &decisions](const boost::shared_ptr<const Message>& message) {
+        Decision decision;
+        fromMessage(*message, decision);
+        decisions.add(std::move(decision));
+        processWaiting();
+      },
+      ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
 }
 
 void ControlLoopsNode::start() {
@@ -71,48 +95,34 @@ void ControlLoopsNode::onDisplacement(const BlockMessage::ConstPtr& message) {
 }
 
 bool ControlLoopsNode::mustWaitForDecision(const BlockMessage& message) const {
-  if (!compensation_ || !parameters_.lockstep) return false;
+  if (!parameters_.lockstep) return false;
   const std::uint64_t acts_in = message.sequence + 1;
-  if (acts_in % period_blocks_ != 0 || acts_in < 2 * period_blocks_) return false;
-  for (const CompensationDecision& decision : decisions_) {
-    if (decision.session == message.session && decision.effective_sequence == acts_in) return false;
-  }
-  return true;
+  return (compensation_ && compensation_decisions_.mustWaitFor(message.session, acts_in)) ||
+         (calibration_run_ && calibration_commands_.mustWaitFor(message.session, acts_in));
 }
 
-void ControlLoopsNode::onDecision(const ring_gyro_msgs::CompensationGains& message) {
-  CompensationDecision decision;
-  fromMessage(message, decision);
-  if (guard_.counts().accepted > 0 && decision.session != block_.stamp.session) {
-    ++foreign_decisions_;
-    return;
-  }
-  if (guard_.counts().accepted > 0 && decision.effective_sequence <= block_.stamp.sequence + 1) {
-    ++late_decisions_;
-  }
-  decisions_.push_back(decision);
-  if (waiting_ != nullptr && !mustWaitForDecision(*waiting_)) {
-    const BlockMessage::ConstPtr message_waited = std::move(waiting_);
-    waiting_.reset();
-    process(*message_waited);
-  }
+void ControlLoopsNode::processWaiting() {
+  if (waiting_ == nullptr || mustWaitForDecision(*waiting_)) return;
+  const BlockMessage::ConstPtr message = std::move(waiting_);
+  waiting_.reset();
+  process(*message);
 }
 
-void ControlLoopsNode::applyDecisions(std::uint64_t acts_in) {
-  while (!decisions_.empty() && decisions_.front().effective_sequence <= acts_in) {
-    if (decisions_.front().session == block_.stamp.session) {
-      loops_.setCompensation(decisions_.front().gains);
-    } else {
-      ++foreign_decisions_;  // latched from an earlier run
-    }
-    decisions_.pop_front();
-  }
+void ControlLoopsNode::applyDecisions() {
+  const std::uint32_t session = block_.stamp.session;
+  const std::uint64_t acts_in = block_.stamp.sequence + 1;
+  compensation_decisions_.applyDue(session, acts_in, [this](const CompensationDecision& decision) {
+    loops_.setCompensation(decision.gains);
+  });
+  calibration_commands_.applyDue(session, acts_in, [this](const CalibrationCommand& command) {
+    loops_.setSettings(command.settings);
+  });
 }
 
 void ControlLoopsNode::process(const BlockMessage& message) {
   fromMessage(message, block_);
   if (!isUsable(guard_.check(block_.stamp))) return;
-  applyDecisions(block_.stamp.sequence + 1);
+  applyDecisions();
   const LoopOutput& output = loops_.process(block_);
   if (!output.command.envelope.allFinite()) {
     host_.fail("the drive command that answers block " + std::to_string(block_.stamp.sequence) +
@@ -163,13 +173,17 @@ void ControlLoopsNode::watchSilence() {
   if (++silent_ticks_ * kTick < parameters_.lockstep_timeout) return;
   silent_ticks_ = 0;
   const std::uint64_t acts_in = waiting_->sequence + 1;
+  const std::string topic = decision_subscriber_.getTopic();
+  const std::string publisher = calibration_run_
+                                    ? " (the calibration)"
+                                    : " (the compensation injector), or the identifier before it";
   const std::string who = decision_subscriber_.getNumPublishers() == 0
-                              ? "nobody publishes " + decision_subscriber_.getTopic()
-                              : "silent: the publisher of " + decision_subscriber_.getTopic() +
-                                    " (the compensation injector), or the identifier before it";
-  host_.fail("no compensation gains have come for block " + std::to_string(acts_in) +
-             ", due from the estimate of block " + std::to_string(acts_in - period_blocks_ - 1) +
-             ", for " + std::to_string(parameters_.lockstep_timeout) + " s: " + who);
+                              ? "nobody publishes " + topic
+                              : "silent: the publisher of " + topic + publisher;
+  host_.fail("no " + std::string(calibration_run_ ? "calibration command" : "compensation gains") +
+             " for block " + std::to_string(acts_in) + ", due from the data up to block " +
+             std::to_string(acts_in - period_blocks_ - 1) + ", for " +
+             std::to_string(parameters_.lockstep_timeout) + " s: " + who);
 }
 
 void ControlLoopsNode::leave() {
@@ -206,8 +220,10 @@ void ControlLoopsNode::report(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.add("steps back", counts.steps_back);
   status.add("blocks with zero stamp", counts.zero_stamps);
   status.add("new sessions", counts.new_sessions);
-  status.add("late compensation decisions", late_decisions_);
-  status.add("compensation decisions of another session", foreign_decisions_);
+  if (compensation_)
+    addDecisions(status, "compensation decisions", compensation_decisions_.counts());
+  if (calibration_run_)
+    addDecisions(status, "calibration commands", calibration_commands_.counts());
 }
 
 }  // namespace ring_gyro

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "node_main.h"
+#include "ring_gyro/nodes/calibration_node.h"
 #include "ring_gyro/nodes/compensation_injector_node.h"
 #include "ring_gyro/nodes/control_loops_node.h"
 #include "ring_gyro/nodes/ekf_identifier_node.h"
@@ -81,9 +82,15 @@ class CompensationInjectorNodelet : public NodeletOf<CompensationInjectorNode> {
   CompensationInjectorNodelet() : NodeletOf(false) {}
 };
 
+class CalibrationNodelet : public NodeletOf<CalibrationNode> {
+ public:
+  CalibrationNodelet() : NodeletOf(false) {}
+};
+
 }  // namespace ring_gyro
 
 PLUGINLIB_EXPORT_CLASS(ring_gyro::PlantSimulatorNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(ring_gyro::ControlLoopsNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(ring_gyro::EkfIdentifierNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(ring_gyro::CompensationInjectorNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ring_gyro::CalibrationNodelet, nodelet::Nodelet)

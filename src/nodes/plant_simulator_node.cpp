@@ -89,7 +89,7 @@ void PlantSimulatorNode::onDriveCommand(const ring_gyro_msgs::DriveCommand& mess
     }
     silent_ticks_ = 0;
     fromMessage(message, command_);
-    if (blocks_ != 0 && last_.sequence + 1 >= blocks_) {
+    if (lastBlockDone()) {
       endRun();
     } else {
       step();
@@ -107,6 +107,10 @@ void PlantSimulatorNode::onDriveCommand(const ring_gyro_msgs::DriveCommand& mess
   if (behindRealTime() > 0.0) onRealTimeTick();
 }
 
+bool PlantSimulatorNode::lastBlockDone() const {
+  return command_.end_of_run || (blocks_ != 0 && last_.sequence + 1 >= blocks_);
+}
+
 double PlantSimulatorNode::behindRealTime() const {
   const double next = 1e-9 * static_cast<double>(last_.end_ns + block_ns_ - start_ns_);
   return seconds(WallClock::now() - started_at_) - next;
@@ -122,7 +126,7 @@ void PlantSimulatorNode::step() {
 
 void PlantSimulatorNode::onRealTimeTick() {
   if (ended_) return;
-  if (blocks_ != 0 && last_.sequence + 1 >= blocks_) {
+  if (lastBlockDone()) {
     endRun();
     return;
   }

@@ -55,6 +55,62 @@ LoopStatus statusFromMessage(const ring_gyro_msgs::LoopStatus& message) {
   return status;
 }
 
+void harmonicsToMessage(const AngleHarmonics& function, double& constant,
+                        std::vector<double>& cosine, std::vector<double>& sine) {
+  constant = function.constant;
+  cosine = function.cosine;
+  sine = function.sine;
+}
+
+void calibrationToMessage(const Calibration& calibration, ring_gyro_msgs::Calibration& message) {
+  message.correct_pickoff = calibration.correct_pickoff;
+  message.correct_phase = calibration.correct_phase;
+  message.correct_drive_gains = calibration.correct_drive_gains;
+  message.correct_phase_mismatch = calibration.correct_phase_mismatch;
+  message.cancel_damping = calibration.cancel_damping;
+  message.cancel_drift = calibration.cancel_drift;
+  message.map_angle = calibration.map_angle;
+  message.pickoff_cubic = calibration.pickoff_cubic;
+  message.drive_phase = calibration.drive_path.phase;
+  message.drive_mismatch = calibration.drive_path.mismatch;
+  message.drive_skew = calibration.drive_path.skew;
+  message.drive_rotation = calibration.drive_path.rotation;
+  message.phase_mismatch = calibration.drive_path.phase_mismatch;
+  message.phase_skew = calibration.drive_path.phase_skew;
+  message.rotation_phase = calibration.drive_path.rotation_phase;
+  message.gamma_1 = calibration.gamma1;
+  message.gamma_2 = calibration.gamma2;
+  harmonicsToMessage(calibration.drift, message.drift_constant, message.drift_cosine,
+                     message.drift_sine);
+  harmonicsToMessage(calibration.angle_map, message.angle_map_constant, message.angle_map_cosine,
+                     message.angle_map_sine);
+}
+
+Calibration calibrationFromMessage(const ring_gyro_msgs::Calibration& message) {
+  Calibration calibration;
+  calibration.correct_pickoff = message.correct_pickoff != 0;
+  calibration.correct_phase = message.correct_phase != 0;
+  calibration.correct_drive_gains = message.correct_drive_gains != 0;
+  calibration.correct_phase_mismatch = message.correct_phase_mismatch != 0;
+  calibration.cancel_damping = message.cancel_damping != 0;
+  calibration.cancel_drift = message.cancel_drift != 0;
+  calibration.map_angle = message.map_angle != 0;
+  calibration.pickoff_cubic = message.pickoff_cubic;
+  calibration.drive_path.phase = message.drive_phase;
+  calibration.drive_path.mismatch = message.drive_mismatch;
+  calibration.drive_path.skew = message.drive_skew;
+  calibration.drive_path.rotation = message.drive_rotation;
+  calibration.drive_path.phase_mismatch = message.phase_mismatch;
+  calibration.drive_path.phase_skew = message.phase_skew;
+  calibration.drive_path.rotation_phase = message.rotation_phase;
+  calibration.gamma1 = message.gamma_1;
+  calibration.gamma2 = message.gamma_2;
+  calibration.drift = {message.drift_constant, message.drift_cosine, message.drift_sine};
+  calibration.angle_map = {message.angle_map_constant, message.angle_map_cosine,
+                           message.angle_map_sine};
+  return calibration;
+}
+
 }  // namespace
 
 ros::Time timeFromNanoseconds(std::int64_t nanoseconds) {
@@ -96,6 +152,7 @@ void toMessage(const DriveCommand& command, const BlockStamp& answered,
   message.reference_frequency = command.reference_frequency;
   envelopeToMessage(command.envelope, message.envelope);
   message.table_rate = command.table_rate;
+  message.end_of_run = command.end_of_run;
 }
 
 void fromMessage(const ring_gyro_msgs::DriveCommand& message, DriveCommand& command) {
@@ -104,6 +161,7 @@ void fromMessage(const ring_gyro_msgs::DriveCommand& message, DriveCommand& comm
   command.reference_frequency = message.reference_frequency;
   command.envelope = envelopeFromMessage(message.envelope);
   command.table_rate = message.table_rate;
+  command.end_of_run = message.end_of_run != 0;
 }
 
 void toMessage(const OrbitalElements& elements, ring_gyro_msgs::OrbitalElements& message) {
@@ -237,6 +295,39 @@ void fromMessage(const ring_gyro_msgs::CompensationGains& message, CompensationD
   decision.gamma1 = message.gamma_1;
   decision.gamma2 = message.gamma_2;
   decision.state = static_cast<InjectorState>(message.state);
+}
+
+void toMessage(const CalibrationCommand& command, const BlockStamp& data,
+               ring_gyro_msgs::CalibrationCommand& message) {
+  message.header.stamp = timeFromNanoseconds(data.end_ns);
+  message.session = command.session;
+  message.effective_sequence = command.effective_sequence;
+  message.data_sequence = data.sequence;
+  message.virtual_rate = command.settings.virtual_rate;
+  message.table_rate = command.settings.table_rate;
+  message.amplitude_modulation = command.settings.amplitude_modulation;
+  message.amplitude_modulation_frequency = command.settings.amplitude_modulation_frequency;
+  message.end_of_run = command.settings.end_of_run;
+  calibrationToMessage(command.settings.calibration, message.calibration);
+  message.leg = command.leg;
+  message.time_left = command.time_left;
+  message.finished = command.finished;
+  message.failure = command.failure;
+}
+
+void fromMessage(const ring_gyro_msgs::CalibrationCommand& message, CalibrationCommand& command) {
+  command.session = message.session;
+  command.effective_sequence = message.effective_sequence;
+  command.settings.virtual_rate = message.virtual_rate;
+  command.settings.table_rate = message.table_rate;
+  command.settings.amplitude_modulation = message.amplitude_modulation;
+  command.settings.amplitude_modulation_frequency = message.amplitude_modulation_frequency;
+  command.settings.end_of_run = message.end_of_run != 0;
+  command.settings.calibration = calibrationFromMessage(message.calibration);
+  command.leg = message.leg;
+  command.time_left = message.time_left;
+  command.finished = message.finished != 0;
+  command.failure = message.failure;
 }
 
 void toMessage(const PlantTruth& truth, ring_gyro_msgs::PlantTruth& message) {

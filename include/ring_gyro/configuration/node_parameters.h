@@ -22,6 +22,8 @@ struct NodeParameters {
   std::string bag;          ///< file that the recorder writes
   bool record_raw = false;  ///< record samples and drive commands too
 
+  std::string calibration_file;  ///< YAML that a calibration run writes
+
   std::string report;            ///< JSON that the identifier writes at its end
   std::string replay;            ///< bag whose replay the identifier listens to; it ends with it
   double replay_start = 0.0;     ///< where that replay begins, from the begin of the bag [s]

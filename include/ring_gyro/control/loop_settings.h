@@ -10,6 +10,7 @@ struct LoopSettings {
   double table_rate = 0.0;                      ///< of the rate table [rad/s]
   double amplitude_modulation = 0.0;            ///< of the setpoint of a, relative
   double amplitude_modulation_frequency = 0.5;  ///< [Hz]
+  bool end_of_run = false;                      ///< nothing more is needed of the plant
   Calibration calibration;
 };
 

@@ -6,12 +6,14 @@
 #include <sensor_msgs/Imu.h>
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "ring_gyro/calibration/calibration_procedure.h"
+#include "ring_gyro/compensation/compensation_injector.h"
 #include "ring_gyro/control/control_loops.h"
+#include "ring_gyro/nodes/decision_queue.h"
 #include "ring_gyro/nodes/departure.h"
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
@@ -27,9 +29,9 @@ namespace ring_gyro {
 /// Demodulation and control: DisplacementBlock in, DriveCommand, OrbitalElements, ControlGains and
 /// the sensed rate out.
 ///
-/// With compensation in lockstep, the block whose drive a decision of the injector is for waits for
-/// that decision, so that the timing of threads cannot change a run. In real time decisions apply
-/// when they arrive and late ones are counted.
+/// With compensation or in a calibration run the loops are told what to do each period. In lockstep
+/// the block whose drive a decision is for waits for that decision, so that the timing of threads
+/// cannot change a run. In real time decisions apply when they arrive and late ones are counted.
 class ControlLoopsNode {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
@@ -41,9 +43,11 @@ class ControlLoopsNode {
 
   void start();
   void onDisplacement(const BlockMessage::ConstPtr& message);
-  void onDecision(const ring_gyro_msgs::CompensationGains& message);
+  template <typename Message, typename Decision>
+  ros::Subscriber subscribeDecisions(const char* topic, DecisionQueue<Decision>& decisions);
+  void processWaiting();
   bool mustWaitForDecision(const BlockMessage& message) const;
-  void applyDecisions(std::uint64_t acts_in);
+  void applyDecisions();
   void process(const BlockMessage& message);
   void publish(const LoopOutput& output);
   void sendBurst();
@@ -56,18 +60,18 @@ class ControlLoopsNode {
   NodeHost host_;
   double angular_gain_;
   bool compensation_;
+  bool calibration_run_;
   std::uint64_t period_blocks_;  // of the identifier
   ControlLoops loops_;
   DisplacementBlock block_;
   TimeGuard guard_;
   BlockMessage::ConstPtr waiting_;  // for the decision that its answer must use
-  std::deque<CompensationDecision> decisions_;
+  DecisionQueue<CompensationDecision> compensation_decisions_;
+  DecisionQueue<CalibrationCommand> calibration_commands_;
   LoopStatus status_;
   double amplitude_ = 0.0;
   double theta_rate_ = 0.0;
 
-  std::uint64_t late_decisions_ = 0;
-  std::uint64_t foreign_decisions_ = 0;
   std::uint64_t invalid_blocks_ = 0;
   int silent_ticks_ = 0;
 

@@ -48,6 +48,7 @@ class PlantSimulatorNode {
   void waitForListeners();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   double simulatedTime() const;
+  bool lastBlockDone() const;
   double behindRealTime() const;  // of the start of the next block [s]; negative: it is not due yet
 
   ros::NodeHandle handle_;

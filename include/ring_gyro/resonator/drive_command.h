@@ -15,9 +15,10 @@ struct DriveCommand {
   double reference_phase = 0.0;      ///< phase of the NCO at the start of the block [rad]
   double reference_frequency = 0.0;  ///< [rad/s]
   Eigen::Vector2cd envelope = Eigen::Vector2cd::Zero();  ///< [V]
-  /// Rate of the rate table that the gyroscope stands on, beside its rotation profile; zero but in a
-  /// calibration run [rad/s].
+  /// Rate of the rate table that the gyroscope stands on, beside its rotation profile; zero but in
+  /// a calibration run [rad/s].
   double table_rate = 0.0;
+  bool end_of_run = false;  ///< nothing follows the block that this answers
 };
 
 }  // namespace ring_gyro

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 
+#include "ring_gyro/calibration/calibration_procedure.h"
 #include "ring_gyro/compensation/compensation_injector.h"
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/identification/parameter_estimate.h"
@@ -44,6 +45,11 @@ void fromMessage(const ring_gyro_msgs::ParameterEstimate& message, ParameterEsti
 void toMessage(const CompensationDecision& decision, const ros::Time& data_stamp,
                ring_gyro_msgs::CompensationGains& message);
 void fromMessage(const ring_gyro_msgs::CompensationGains& message, CompensationDecision& decision);
+
+/// `data`: stamp of the last block that the command came from.
+void toMessage(const CalibrationCommand& command, const BlockStamp& data,
+               ring_gyro_msgs::CalibrationCommand& message);
+void fromMessage(const ring_gyro_msgs::CalibrationCommand& message, CalibrationCommand& command);
 
 void toMessage(const PlantTruth& truth, ring_gyro_msgs::PlantTruth& message);
 void fromMessage(const ring_gyro_msgs::PlantTruth& message, PlantTruth& truth);

@@ -17,6 +17,7 @@
 
 #define ring_gyro ring_gyro_msgs
 // clang-format off
+#include "ring_gyro/CalibrationCommand.h"
 #include "ring_gyro/CompensationGains.h"
 #include "ring_gyro/ControlGains.h"
 #include "ring_gyro/DisplacementBlock.h"

@@ -10,6 +10,7 @@ constexpr char kControlGains[] = "control_gains";
 constexpr char kImu[] = "imu";
 constexpr char kParameterEstimate[] = "parameter_estimate";
 constexpr char kCompensationGains[] = "compensation_gains";
+constexpr char kCalibrationCommand[] = "calibration_command";
 constexpr char kPlantTruth[] = "plant_truth";
 constexpr char kEndOfRun[] = "end_of_run";
 

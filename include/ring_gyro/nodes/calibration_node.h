@@ -1,0 +1,66 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <ros/subscriber.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "ring_gyro/calibration/calibration_procedure.h"
+#include "ring_gyro/nodes/departure.h"
+#include "ring_gyro/nodes/node_diagnostics.h"
+#include "ring_gyro/nodes/node_host.h"
+#include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/start_gate.h"
+#include "ring_gyro/ros/messages.h"
+#include "ring_gyro/ros/node_configuration.h"
+#include "ring_gyro/ros/pair_merge.h"
+
+namespace ring_gyro {
+
+/// Makes a calibration run: OrbitalElements and ControlGains in through one merge, a
+/// CalibrationCommand out at the end of each period (latched), and at the end of the run the
+/// calibration as YAML in node/calibration_file.
+///
+/// The last command has the plant end the run. When the run cannot go on, the reason is in that
+/// command, nothing is written, and the node fails once the others have left.
+class CalibrationNode {
+ public:
+  /// Throws ConfigurationError or std::invalid_argument naming what cannot be used,
+  /// std::runtime_error when the file cannot be written.
+  CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+                  const NodeConfiguration& configuration, NodeHost host);
+
+ private:
+  void start();
+  void process(const OrbitalElements& elements, const ControlGains& gains);
+  void publish(const CalibrationCommand& command, const BlockStamp& data);
+  void conclude();
+  void fail(const std::string& why);
+  void leave();
+  void finish();
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+  ros::NodeHandle handle_;
+  NodeParameters parameters_;
+  DeviceKnowledge device_;
+  NodeHost host_;
+  CalibrationProcedure procedure_;
+  PairMerge merge_;
+  OrbitalElements elements_;
+  ControlGains gains_;
+  std::optional<BlockStamp> last_;
+  std::optional<CalibrationCommand> command_;
+  bool written_ = false;
+  std::string failure_;
+
+  Output output_;
+  ros::Subscriber elements_subscriber_;
+  ros::Subscriber gains_subscriber_;
+  std::unique_ptr<StartGate> gate_;
+  Departure departure_;
+  NodeDiagnostics diagnostics_;
+};
+
+}  // namespace ring_gyro

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <utility>
+
+namespace ring_gyro {
+
+/// Decisions on their way to the loops, each made from the data of one period and in force from the
+/// drive of block `effective_sequence`, one period later, until the next one.
+///
+/// In lockstep the block whose answer needs a decision that has not come yet is made to wait for
+/// it, so that the timing of threads cannot change a run. `Decision` has a session and an
+/// effective_sequence.
+template <typename Decision>
+class DecisionQueue {
+ public:
+  struct Counts {
+    std::uint64_t late = 0;     ///< came when the block that they were for had been answered
+    std::uint64_t foreign = 0;  ///< of another session: left out
+  };
+
+  /// `period_blocks`: from one decision to the next.
+  explicit DecisionQueue(std::uint64_t period_blocks) : period_blocks_(period_blocks) {}
+
+  /// Takes a decision that has come.
+  void add(Decision decision) {
+    if (applied_any_ && decision.session != session_) {
+      ++counts_.foreign;
+      return;
+    }
+    if (applied_any_ && decision.effective_sequence <= applied_up_to_) ++counts_.late;
+    waiting_.push_back(std::move(decision));
+  }
+
+  /// Whether a decision is due with the drive of block `acts_in` and has not come. None is due in
+  /// the first period and the one after it.
+  bool mustWaitFor(std::uint32_t session, std::uint64_t acts_in) const {
+    if (acts_in % period_blocks_ != 0 || acts_in < 2 * period_blocks_) return false;
+    return std::none_of(waiting_.begin(), waiting_.end(), [&](const Decision& decision) {
+      return decision.session == session && decision.effective_sequence == acts_in;
+    });
+  }
+
+  /// Hands `apply`, in order, what is in force with the drive of block `acts_in` and has not been
+  /// applied.
+  template <typename Apply>
+  void applyDue(std::uint32_t session, std::uint64_t acts_in, Apply apply) {
+    applied_any_ = true;
+    session_ = session;
+    applied_up_to_ = acts_in;
+    // Latched from an earlier run; it may be for a block that is far ahead.
+    const auto foreign =
+        std::remove_if(waiting_.begin(), waiting_.end(),
+                       [session](const Decision& decision) { return decision.session != session; });
+    counts_.foreign += static_cast<std::uint64_t>(waiting_.end() - foreign);
+    waiting_.erase(foreign, waiting_.end());
+    while (!waiting_.empty() && waiting_.front().effective_sequence <= acts_in) {
+      apply(waiting_.front());
+      waiting_.pop_front();
+    }
+  }
+
+  const Counts& counts() const { return counts_; }
+
+ private:
+  std::uint64_t period_blocks_;
+  std::deque<Decision> waiting_;
+  bool applied_any_ = false;
+  std::uint32_t session_ = 0;
+  std::uint64_t applied_up_to_ = 0;  // block
+  Counts counts_;
+};
+
+}  // namespace ring_gyro

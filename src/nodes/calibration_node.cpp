@@ -1,0 +1,167 @@
+#include "ring_gyro/nodes/calibration_node.h"
+
+#include <ros/console.h>
+
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include "ring_gyro/calibration/calibration_report.h"
+#include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/configuration/configuration_writer.h"
+#include "ring_gyro/configuration/parameter_text.h"
+#include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/topics.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr std::uint32_t kUnlimited = 0;
+
+const NodeConfiguration& checked(const NodeConfiguration& configuration) {
+  std::vector<std::string> faults;
+  if (configuration.node.calibration_file.empty()) {
+    faults.emplace_back(
+        "node/calibration_file: missing; the calibration must be told which file to write");
+  }
+  if (configuration.loop.run.duration != 0.0) {
+    faults.push_back("run/duration = " + textFromNumber(configuration.loop.run.duration) +
+                     ": a calibration run lasts until it is complete; allowed: 0 [s]");
+  }
+  if (!configuration.loop.control.calibration_run) {
+    faults.emplace_back(
+        "control/calibration_run = false: the loops would not do what the calibration asks; "
+        "allowed: true");
+  }
+  if (!faults.empty()) throw ConfigurationError(std::move(faults));
+  requireWritable(configuration.node.calibration_file);
+  return configuration;
+}
+
+}  // namespace
+
+CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+                                 const NodeConfiguration& configuration, NodeHost host)
+    : handle_(std::move(handle)),
+      parameters_(checked(configuration).node),
+      device_(configuration.loop.device),
+      host_(std::move(host)),
+      procedure_(configuration.loop.calibration_run, configuration.loop.extended,
+                 configuration.loop.converter,
+                 static_cast<std::int64_t>(configuration.loop.periodBlocks()),
+                 configuration.loop.calibration),
+      merge_([this](const OrbitalElements& elements, const ControlGains& gains) {
+        process(elements, gains);
+      }),
+      output_(Output::advertise<ring_gyro_msgs::CalibrationCommand>(
+          handle_, topics::kCalibrationCommand, true)),
+      departure_(handle_, parameters_, {[this] { finish(); }, host_.fail}, {output_},
+                 [this] { leave(); }),
+      diagnostics_(handle_, private_handle, private_handle.getNamespace(),
+                   [this](auto& status) { report(status); }) {
+  const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
+  gate_ = std::make_unique<StartGate>(
+      handle_, std::vector<StartGate::Requirement>{{output_, required}}, [this] { start(); });
+}
+
+void CalibrationNode::start() {
+  const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
+  elements_subscriber_ = handle_.subscribe<ring_gyro_msgs::OrbitalElements>(
+      topics::kOrbitalElements, kUnlimited,
+      [this](const ring_gyro_msgs::OrbitalElements::ConstPtr& message) {
+        fromMessage(*message, elements_);
+        merge_.add(elements_);
+      },
+      ros::VoidConstPtr(), no_delay);
+  gains_subscriber_ = handle_.subscribe<ring_gyro_msgs::ControlGains>(
+      topics::kControlGains, kUnlimited,
+      [this](const ring_gyro_msgs::ControlGains::ConstPtr& message) {
+        fromMessage(*message, gains_);
+        merge_.add(gains_);
+      },
+      ros::VoidConstPtr(), no_delay);
+}
+
+void CalibrationNode::process(const OrbitalElements& elements, const ControlGains& gains) {
+  if (last_ && last_->session != elements.stamp.session) {
+    host_.fail("the plant has been started again during the calibration run");
+    return;
+  }
+  last_ = elements.stamp;
+  if (const std::optional<CalibrationCommand> command = procedure_.process(elements, gains)) {
+    if (!command_ || command->leg != command_->leg) {
+      ROS_INFO("%s, %.0f s left", command->leg.c_str(), command->time_left);
+    }
+    command_ = command;
+    publish(*command, elements.stamp);
+    if (!command->failure.empty()) fail(command->failure);
+    if (command->finished) conclude();
+  }
+  departure_.processed(elements.stamp.sequence);
+}
+
+void CalibrationNode::publish(const CalibrationCommand& command, const BlockStamp& data) {
+  const auto message = boost::make_shared<ring_gyro_msgs::CalibrationCommand>();
+  toMessage(command, data, *message);
+  output_.publish(message);
+}
+
+void CalibrationNode::conclude() {
+  if (written_ || !failure_.empty()) return;
+  const CalibrationResult& result = procedure_.result();
+  ROS_INFO("calibration\n%s", calibrationText(result).c_str());
+  try {
+    writeWholeFile(parameters_.calibration_file, calibrationYaml(result, device_));
+  } catch (const std::exception& error) {
+    fail(error.what());
+    return;
+  }
+  written_ = true;
+  ROS_INFO("calibration in %s", parameters_.calibration_file.c_str());
+}
+
+/// At once for whoever watches, and once more as that with which the node ends.
+void CalibrationNode::fail(const std::string& why) {
+  if (!failure_.empty()) return;
+  failure_ = why;
+  ROS_ERROR("%s", why.c_str());
+}
+
+void CalibrationNode::leave() {
+  elements_subscriber_.shutdown();
+  gains_subscriber_.shutdown();
+  merge_.flush();
+  if (!written_) fail("the run ended before the calibration was complete");
+}
+
+void CalibrationNode::finish() {
+  if (failure_.empty()) {
+    host_.finish();
+  } else {
+    host_.fail("no calibration: " + failure_);
+  }
+}
+
+void CalibrationNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  const PairMerge::Counts& counts = merge_.counts();
+  const std::uint64_t lost = merge_.elementsCounts().lost + merge_.gainsCounts().lost +
+                             counts.elements_alone + counts.gains_alone;
+  if (!failure_.empty()) {
+    status.summary(DiagnosticStatus::ERROR, failure_);
+  } else if (!command_) {
+    status.summary(DiagnosticStatus::OK, "waiting for orbital elements and control gains");
+  } else if (lost > 0) {
+    status.summary(DiagnosticStatus::WARN, command_->leg + ", blocks have been lost");
+  } else {
+    status.summary(DiagnosticStatus::OK, command_->leg);
+  }
+  status.add("blocks", counts.pairs);
+  status.add("lost blocks", lost);
+  if (!command_) return;
+  status.add("time left [s]", command_->time_left);
+  status.add("steering [rad/s]", command_->settings.virtual_rate);
+  status.add("rate table [rad/s]", command_->settings.table_rate);
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,157 @@
+#!/usr/bin/python3
+"""A calibration run in the graph leaves the file that it leaves in one process, byte for byte, and the
+loops load it."""
+
+import io
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import rosbag
+import rospkg
+import rostest
+
+PACKAGE = Path(rospkg.RosPack().get_path("ring_gyro"))
+CONFIG = PACKAGE / "test" / "short_calibration.yaml"
+PERIOD = 100  # blocks
+
+
+def free_port() -> int:
+    with socket.socket() as listener:
+        listener.bind(("localhost", 0))
+        return listener.getsockname()[1]
+
+
+def executable(name: str) -> str:
+    found = subprocess.run(["catkin_find", "--first-only", "--libexec", "ring_gyro", name],
+                           check=True, capture_output=True, text=True)
+    return found.stdout.strip()
+
+
+def run(tool: str, *options) -> None:
+    subprocess.run([executable(tool)] + [str(option) for option in options], check=True,
+                   stdout=subprocess.DEVNULL)
+
+
+def launch(name: str, **arguments) -> str:
+    """What the launch says; it must end by itself."""
+    port = free_port()
+    texts = [f"{key}:={value}" for key, value in arguments.items()]
+    process = subprocess.Popen(
+        ["roslaunch", "-p", str(port), "ring_gyro", name] + texts, text=True,
+        env=dict(os.environ, ROS_MASTER_URI=f"http://localhost:{port}", ROS_HOSTNAME="localhost"),
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    try:
+        return process.communicate(timeout=120)[0]
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGINT)
+        raise AssertionError("the launch does not end:\n" + process.communicate(timeout=60)[0])
+
+
+def messages(bag: Path) -> dict:
+    """By topic, in order."""
+    result = {}
+    with rosbag.Bag(str(bag)) as recorded:
+        for topic, message, _ in recorded.read_messages():
+            result.setdefault(topic.lstrip("/"), []).append(message)
+    return result
+
+
+def contents(message) -> bytes:
+    """Of a message; the sequence number of the header belongs to the transport."""
+    message.header.seq = 0
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+class CalibrationGraph(unittest.TestCase):
+    def setUp(self):
+        self.folder_handle = tempfile.TemporaryDirectory(prefix="ring_gyro_calibration_")
+        self.folder = Path(self.folder_handle.name)
+
+    def tearDown(self):
+        self.folder_handle.cleanup()
+
+    def calibrate(self, config: Path, **arguments) -> tuple:
+        """The file that the run leaves (None without one), the recorded messages and the log."""
+        calibration, bag = self.folder / "calibration.yaml", self.folder / "calibration.bag"
+        for path in (calibration, bag):
+            if path.exists():
+                path.unlink()
+        log = launch("calibration.launch", config=config, calibration=calibration, record=bag,
+                     **arguments)
+        self.assertTrue(bag.exists(), log)
+        written = calibration.read_bytes() if calibration.exists() else None
+        return written, messages(bag), log
+
+    def assertWhole(self, recorded: dict):
+        """The bag has every block up to the announced end, and the command of every period."""
+        self.assertEqual(len(recorded["end_of_run"]), 1)
+        blocks = recorded["end_of_run"][0].last_sequence + 1
+        self.assertEqual(blocks % PERIOD, 0)
+        for topic in ("orbital_elements", "control_gains", "plant_truth"):
+            self.assertEqual([message.sequence for message in recorded[topic]],
+                             list(range(blocks)), topic)
+        commands = recorded["calibration_command"]
+        self.assertEqual([command.data_sequence for command in commands],
+                         list(range(PERIOD - 1, blocks, PERIOD)))
+        self.assertEqual([command.end_of_run for command in commands],
+                         [False] * (len(commands) - 2) + [True, True])
+
+    def test_same_calibration_in_processes_nodelets_and_one_process(self):
+        expected = self.folder / "expected.yaml"
+        run("calibrate", "--config", CONFIG, "--output", expected)
+        for nodelets in ("false", "true"):
+            with self.subTest(nodelets=nodelets):
+                written, recorded, log = self.calibrate(CONFIG, nodelets=nodelets)
+                self.assertEqual(written, expected.read_bytes(), log)
+                self.assertWhole(recorded)
+                last = recorded["calibration_command"][-1]
+                self.assertTrue(last.finished)
+                self.assertEqual((last.failure, last.time_left), ("", 0.0))
+                self.assertIn("calibration in ", log)
+
+    def test_a_run_that_cannot_go_on_says_why_and_leaves_no_file(self):
+        config = self.folder / "locked_pattern.yaml"
+        config.write_text(CONFIG.read_text().replace("gamma1: 0.01", "gamma1: 0.45"))
+        written, recorded, log = self.calibrate(config)
+        self.assertIsNone(written)
+        self.assertWhole(recorded)
+        reason = "raise calibration_run/survey_rate above the drift"
+        self.assertIn(reason, recorded["calibration_command"][-1].failure)
+        fatal = [line for line in log.splitlines() if "FATAL" in line]
+        self.assertEqual(len(fatal), 1, log)
+        self.assertIn(reason, fatal[0])
+        self.assertRegex(log, r"calibration-\d+\] has died!\nprocess has died .*exit code 1")
+
+    def test_the_loops_load_a_calibration_over_their_configuration(self):
+        calibration = self.folder / "calibration.yaml"
+        # 1e-03 and 2e-07 are text to rosparam.
+        calibration.write_text(
+            "device:\n  drive_gain: 1030000\n"
+            "calibration:\n  pickoff_cubic: 2e-02\n  drive_rotation: -3e-07\n  drift_constant: 1e-03\n"
+            "  drift_cosine: [0, 2e-02, 0, 2e-07]\n  drift_sine: [0, 1e-03, 0, 0.5]\n"
+            "  angle_map_cosine: [0, 0.01]\n  angle_map_sine: []\n")
+        live, offline = self.folder / "live.bag", self.folder / "offline.bag"
+        log = launch("simulation.launch", config=CONFIG, calibration=calibration, duration=3,
+                     identify="false", record=live)
+        run("simulate", "--config", CONFIG, "--config", calibration, "--duration", 3, "--output",
+            offline)
+        in_graph, in_process = messages(live), messages(offline)
+        for topic in ("orbital_elements", "control_gains"):
+            self.assertEqual(len(in_graph[topic]), 3000, log)
+            self.assertEqual([contents(message) for message in in_graph[topic]],
+                             [contents(message) for message in in_process[topic]], topic)
+        last = in_graph["orbital_elements"][-1]
+        self.assertNotEqual(last.angle, last.theta)
+        self.assertGreater(max(gains.virtual_rate for gains in in_graph["control_gains"]), 0.3)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("ring_gyro", "calibration_graph", CalibrationGraph, sys.argv)
