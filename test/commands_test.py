@@ -75,6 +75,27 @@ class Report(unittest.TestCase):
             self.assertFalse(page.exists())
 
 
+class Refusal(unittest.TestCase):
+    def test_names_every_number_out_of_range(self):
+        device = ("--config", CONFIG / "untuned.yaml")
+        for name, wrong in (
+                ("tune_modes", {"gain": "-1", "time": "-3", "target": "nan", "passes": "0"}),
+                ("frequency_response", {"span": "nan", "points": "4", "settling": "0"})):
+            done = run(name, *device, *(f"--{key}={value}" for key, value in wrong.items()))
+            self.assertEqual(done.returncode, 1, name)
+            lines = done.stderr.strip().splitlines()
+            self.assertEqual(len(lines), len(wrong), done.stderr)
+            for (key, value), line in zip(wrong.items(), lines):
+                self.assertRegex(line, f"^--{key} = {value}: out of range; allowed: .")
+
+    def test_output_that_cannot_be_written(self):
+        done = run("simulate", "--config", CONFIG / "paper_simulation.yaml", "--duration", "0.1",
+                   "--output", "/absent/run.bag")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("/absent/run.bag: cannot be written", done.stderr)
+        self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+
+
 class Paper(unittest.TestCase):
     def test_quick(self):
         with tempfile.TemporaryDirectory() as scratch:

@@ -9,7 +9,12 @@
 namespace ring_gyro {
 
 BagWriter::BagWriter(std::string path) : path_(std::move(path)), active_path_(path_ + ".active") {
-  bag_.open(active_path_, rosbag::bagmode::Write);
+  try {
+    bag_.open(active_path_, rosbag::bagmode::Write);
+  } catch (const rosbag::BagException&) {
+    throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno) +
+                             "; name a file in a folder that exists and may be written to");
+  }
   bag_.setCompression(rosbag::compression::LZ4);
 }
 

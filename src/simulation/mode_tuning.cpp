@@ -51,6 +51,16 @@ void TuningSquares::applyTo(ResonatorParameters& ring) const {
   ring.tuning_voltage_135 = std::sqrt(std::max(0.0, -across));
 }
 
+void TuningOptions::declare(ParameterTable& table) {
+  table
+      .number("gain", assumed_tuning_gain, "1/V^2", Range::above(0.0),
+              "softening of a tuning electrode relative to w0^2")
+      .number("time", identification_time, "s", Range::between(1.0, 1e6),
+              "of identification a pass, after the lock")
+      .number("target", target_split, "Hz", Range::above(0.0), "split to reach")
+      .integer("passes", most_passes, Range::between(1, 1000), "at the most");
+}
+
 std::vector<TuningPass> tuneModes(LoopConfiguration configuration, const TuningOptions& options,
                                   const std::function<void(const TuningPass&)>& seen) {
   if (!(options.assumed_tuning_gain > 0.0)) {
@@ -60,7 +70,7 @@ std::vector<TuningPass> tuneModes(LoopConfiguration configuration, const TuningO
   }
   double gain = options.assumed_tuning_gain;
   std::vector<TuningPass> passes;
-  for (int number = 0; number < options.most_passes; ++number) {
+  for (std::int64_t number = 0; number < options.most_passes; ++number) {
     const TuningPass pass = identify(configuration, options);
     passes.push_back(pass);
     if (seen) seen(pass);

@@ -175,7 +175,8 @@ void run(const Arguments& arguments) {
   try {
     exportBag(arguments);
   } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(arguments.bag_file + ": " + error.what());
+    throw std::runtime_error(arguments.bag_file + ": " + error.what() +
+                             "; is it a whole bag? One that was cut: rosbag reindex");
   } catch (const std::runtime_error& error) {
     const std::string what = error.what();
     const bool named = what.rfind(arguments.log_file, 0) == 0;

@@ -112,6 +112,9 @@ void run(Arguments& arguments) {
     sweep.drive = 0.1 * configuration.control.amplitude * w0 * w0 /
                   (configuration.device.drive_gain * configuration.device.quality_factor);
   }
+  ParameterTable table;
+  sweep.declare(table);
+  requireInRange(table);
   const double total = 2.0 * static_cast<double>(sweep.points) * (sweep.settling + sweep.averaging);
   ProgressBar progress(total);
   const auto seed = static_cast<std::uint64_t>(configuration.run.seed);

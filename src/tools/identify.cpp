@@ -2,6 +2,7 @@
 
 #include <console_bridge/console.h>
 #include <ros/package.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -106,6 +107,10 @@ std::optional<Arguments> parse(int argc, char** argv) {
           "file with --config");
     }
     arguments.configuration_file = package + "/config/" + preset + ".yaml";
+    if (access(arguments.configuration_file.c_str(), R_OK) != 0) {
+      throw options::error("no preset " + preset + "; presets are the files of " + package +
+                           "/config without .yaml");
+    }
   }
   if (arguments.configuration_file.empty()) {
     throw options::error(

@@ -43,7 +43,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "csv", options::value(&arguments.csv_directory), "folder for the series that plots need")(
       "settling", options::value(&arguments.summary.settling)->default_value(1.0),
       "after the first lock, before anything is judged [s]")(
-      "window", options::value(&arguments.summary.rate_window)->default_value(0.1),
+      "window", options::value(&arguments.summary.rate_window)->default_value(0.1, "0.1"),
       "of the rates [s]");
   options::positional_options_description positions;
   positions.add("bag", 1);

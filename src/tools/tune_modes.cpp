@@ -85,6 +85,9 @@ int main(int argc, char** argv) {
     if (tuning.assumed_tuning_gain == 0.0) {
       tuning.assumed_tuning_gain = configuration.plant.resonator.tuning_gain;
     }
+    ParameterTable table;
+    tuning.declare(table);
+    requireInRange(table);
     run(configuration, tuning, output_file);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

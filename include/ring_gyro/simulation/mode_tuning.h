@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace ring_gyro {
@@ -32,7 +34,9 @@ struct TuningOptions {
   double assumed_tuning_gain = 0.0;   ///< softening per V^2 from the layout [1/V^2]
   double identification_time = 30.0;  ///< of each pass, after the lock [s]
   double target_split = 1e-4;         ///< stop below this [Hz]
-  int most_passes = 6;
+  std::int64_t most_passes = 6;
+
+  void declare(ParameterTable& table);
 };
 
 /// Turns identified stiffness mismatch into tuning voltages, second term of (8): mu falls by half
