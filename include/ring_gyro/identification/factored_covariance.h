@@ -67,23 +67,29 @@ class FactoredCovariance {
     diagonal_.template head<Moving>().setConstant(variance);
   }
 
-  /// Adds variances that are correlated with nothing to the constants (Agee and Turner).
-  void addToConstants(const Eigen::Matrix<double, kConstants, 1>& variance) {
+  using Constants = Eigen::Matrix<double, kConstants, 1>;
+
+  /// Adds variances that are correlated with nothing to the constants.
+  void addToConstants(const Constants& variance) {
     for (int k = 0; k < kConstants; ++k) {
-      double weight = variance[k];
-      Eigen::Matrix<double, kStates, 1> shape = Eigen::Matrix<double, kStates, 1>::Zero();
-      shape[Moving + k] = 1.0;
-      for (int j = Moving + k; j >= 0 && weight > 0.0; --j) {
-        const double before = diagonal_[j];
-        diagonal_[j] += weight * shape[j] * shape[j];
-        if (!(diagonal_[j] > 0.0)) continue;
-        const double share = weight * shape[j] / diagonal_[j];
-        for (int i = 0; i < j; ++i) {
-          shape[i] -= shape[j] * upper_[place(i, j)];
-          upper_[place(i, j)] += share * shape[i];
-        }
-        weight *= before / diagonal_[j];
+      addToConstants(variance[k], Constants::Unit(k));
+    }
+  }
+
+  /// Adds weight * direction direction' to the constants (Agee and Turner).
+  void addToConstants(double weight, const Constants& direction) {
+    Eigen::Matrix<double, kStates, 1> shape = Eigen::Matrix<double, kStates, 1>::Zero();
+    shape.template tail<kConstants>() = direction;
+    for (int j = kStates - 1; j >= 0 && weight > 0.0; --j) {
+      const double before = diagonal_[j];
+      diagonal_[j] += weight * shape[j] * shape[j];
+      if (!(diagonal_[j] > 0.0)) continue;
+      const double share = weight * shape[j] / diagonal_[j];
+      for (int i = 0; i < j; ++i) {
+        shape[i] -= shape[j] * upper_[place(i, j)];
+        upper_[place(i, j)] += share * shape[i];
       }
+      weight *= before / diagonal_[j];
     }
   }
 
