@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""A calibration run in the graph leaves the file that it leaves in one process, byte for byte, and the
-loops load it."""
+"""A calibration run in the graph leaves the file that it leaves in one process, byte for byte, and
+the loops load it."""
 
 import io
 import os
@@ -134,10 +134,11 @@ class CalibrationGraph(unittest.TestCase):
 
     def test_the_loops_load_a_calibration_over_their_configuration(self):
         calibration = self.folder / "calibration.yaml"
-        # 1e-03 and 2e-07 are text to rosparam.
+        # 1e-03 is text to rosparam.
         calibration.write_text(
             "device:\n  drive_gain: 1030000\n"
-            "calibration:\n  pickoff_cubic: 2e-02\n  drive_rotation: -3e-07\n  drift_constant: 1e-03\n"
+            "calibration:\n  pickoff_cubic: 2e-02\n  drive_rotation: -3e-07\n"
+            "  drift_constant: 1e-03\n"
             "  drift_cosine: [0, 2e-02, 0, 2e-07]\n  drift_sine: [0, 1e-03, 0, 0.5]\n"
             "  angle_map_cosine: [0, 0.01]\n  angle_map_sine: []\n")
         live, offline = self.folder / "live.bag", self.folder / "offline.bag"
