@@ -29,7 +29,7 @@ std::size_t wholeBlocks(double period, const ConverterParameters& converter) {
 struct BatchLeastSquares::Piece {
   std::size_t begin = 0;
   std::size_t end = 0;
-  Eigen::Vector4d start;             // its envelope, as it is estimated
+  Eigen::Vector4d start;                    // its envelope, as it is estimated
   EnvelopeSensitivity start_by_parameters;  // how the best start follows a change of parameters
   Eigen::Vector4d start_offset;             // from the best start at these parameters
 };
@@ -105,8 +105,8 @@ void BatchLeastSquares::accumulatePiece(const ExtendedVector& linear, const Exte
       if (sample.durations[k] <= 0.0) continue;
       if (at_measured) {
         const Eigen::Vector4d& before = samples_[n - 1].measured;
-        const Eigen::Vector4d middle = model_.undistorted(
-            before + sample.middles[k] * (sample.measured - before), linear);
+        const Eigen::Vector4d middle =
+            model_.undistorted(before + sample.middles[k] * (sample.measured - before), linear);
         model_.step(envelope, linear, {middle, linear}, sample.inputs[k], sample.durations[k],
                     step);
       } else {
@@ -185,8 +185,8 @@ BatchEstimate BatchLeastSquares::solve() const {
   ExtendedVector scale = slope.cwiseAbs() * sigma;
   scale.head<4>().setOnes();
   const ExtendedVector parameter_scale = scale.tail(parameters);
-  const ExtendedMatrix prior_slope = parameter_scale.cwiseInverse().asDiagonal() *
-                                     slope.bottomRightCorner(parameters, parameters);
+  const ExtendedMatrix prior_slope =
+      parameter_scale.cwiseInverse().asDiagonal() * slope.bottomRightCorner(parameters, parameters);
   const ExtendedMatrix prior =
       prior_slope * sigma.tail(parameters).cwiseAbs2().asDiagonal() * prior_slope.transpose();
   const ExtendedMatrix prior_information = prior.inverse();
@@ -198,8 +198,8 @@ BatchEstimate BatchLeastSquares::solve() const {
   for (int pass = 0; pass < kMostPasses; ++pass) {
     Normal normal;
     normal.matrix = prior_information;
-    normal.vector = prior_information *
-                    (first - linear).tail(parameters).cwiseQuotient(parameter_scale);
+    normal.vector =
+        prior_information * (first - linear).tail(parameters).cwiseQuotient(parameter_scale);
     for (Piece& piece : pieces) {
       accumulatePiece(linear, scale, pass < kMeasuredPasses, piece, normal);
     }

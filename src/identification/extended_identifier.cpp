@@ -255,7 +255,8 @@ void ExtendedIdentifier::start(const ExtendedVector& physical) {
   const ExtendedMatrix prior = slope * sigma.cwiseAbs2().asDiagonal() * slope.transpose();
   ExtendedVector scale = slope.cwiseAbs() * sigma;
   scale.head<4>().setOnes();
-  ExtendedVector growth = slope.cwiseAbs2() * parameterWalk(state_, parameters_, physical).cwiseAbs2();
+  ExtendedVector growth =
+      slope.cwiseAbs2() * parameterWalk(state_, parameters_, physical).cwiseAbs2();
   growth.head<4>().setZero();
   const ExtendedVector linear = state_.linear(physical);
   filter_.initialise(linear, prior, scale, growth);

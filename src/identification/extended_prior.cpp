@@ -43,7 +43,7 @@ ExtendedVector startValue(const ExtendedState& state, const ExtendedParameters& 
 }
 
 ExtendedVector priorSigma(const ExtendedState& state, const ExtendedParameters& p,
-                             const ExtendedVector& value) {
+                          const ExtendedVector& value) {
   const ExtendedState::Layout& at = state.layout();
   ExtendedVector sigma = ExtendedVector::Zero(state.size());
   sigma.segment<2>(at.gamma).setConstant(p.initial_gamma_sigma);
@@ -79,7 +79,7 @@ ExtendedVector priorSigma(const ExtendedState& state, const ExtendedParameters& 
 }
 
 ExtendedVector parameterWalk(const ExtendedState& state, const ExtendedParameters& p,
-                     const ExtendedVector& value) {
+                             const ExtendedVector& value) {
   const ExtendedState::Layout& at = state.layout();
   ExtendedVector walk = ExtendedVector::Zero(state.size());
   walk.segment<2>(at.gamma).setConstant(p.gamma_walk);

@@ -102,11 +102,13 @@ void IdentificationParameters::declare(ParameterTable& table) {
       .number("initial_drive_gain_sigma", initial_drive_gain_sigma, "1", Range::between(1e-9, 10.0),
               "of ks, relative to its value from the first period")
       .number("gamma_walk", gamma_walk, "1/sqrt(s)", Range::between(0.0, 1.0),
-              "random walk of gamma1 and gamma2 where the data show them; 0: constant")
+              "random walk of gamma1 and gamma2; 0: constant")
       .number("mu_walk", mu_walk, "1/sqrt(s)", Range::between(0.0, 1e-2),
-              "random walk of mu1 and mu2 where the data show them; 0: constant")
+              "random walk of mu1 and mu2; 0: constant")
       .number("drive_gain_walk", drive_gain_walk, "1/sqrt(s)", Range::between(0.0, 1.0),
-              "random walk of ks, relative, where the data show it; 0: constant")
+              "random walk of ks, relative; 0: constant")
+      .number("memory_time", memory_time, "s", Range::atLeast(0.0),
+              "after which data count for 1/e, as far as newer data show the same; 0: for ever")
       .number("converged_gamma_sigma", converged_gamma_sigma, "1", Range::above(0.0),
               "converged needs both sigmas of gamma below this")
       .number("converged_mu_sigma", converged_mu_sigma, "1", Range::above(0.0),
@@ -356,15 +358,13 @@ bool Identifier::setScale() {
       parameters_.initial_mu_sigma, parameters_.initial_mu_sigma,
       parameters_.initial_drive_gain_sigma * drive_gain;
   IntervalFilter::ParameterVector walk;
-  WalkDirections directions = WalkDirections::kSeen;
   if (parameters_.tuning == "paper") {
-    directions = WalkDirections::kAll;
     for (int k = 0; k < 5; ++k) walk[k] = std::sqrt(kPaperProcessNoise[k + 2] / period_);
   } else {
     walk << parameters_.gamma_walk, parameters_.gamma_walk, parameters_.mu_walk,
         parameters_.mu_walk, parameters_.drive_gain_walk * drive_gain;
   }
-  filter_.initialise(value, sigma, walk, directions);
+  filter_.initialise(value, sigma, walk, parameters_.memory_time);
   scaled_ = true;
   return true;
 }

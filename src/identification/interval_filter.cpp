@@ -37,13 +37,13 @@ IntervalFilter::IntervalFilter(const AveragedModel& model, const IntervalNoise& 
 }
 
 void IntervalFilter::initialise(const StateVector& value, const StateVector& sigma,
-                                const ParameterVector& walk, WalkDirections directions) {
+                                const ParameterVector& walk, double memory_time) {
   drive_gain_scale_ = value[kDriveGain];
   value_ = value;
   covariances_[present_] = Covariance(sigma.cwiseAbs2());
   variance_growth_ = walk.cwiseAbs2();
   walks_ = !variance_growth_.isZero(0.0);
-  walk_directions_ = directions;
+  memory_time_ = memory_time;
   abandon();
 }
 
@@ -153,30 +153,25 @@ IntervalUpdate IntervalFilter::update() {
     abandon();
     return {};
   }
-  if (walks_) walk(covariance);
+  if (walks_) covariance.addToConstants(elapsed_ * variance_growth_);
+  if (memory_time_ > 0.0) forget(covariance);
   present_ = 1 - present_;
   value_ = value;
   abandon();
   return result;
 }
 
-/// In the metric of the walk: the part of it that lies in the span of the measurement's two rows.
-void IntervalFilter::walk(Covariance& covariance) const {
-  if (walk_directions_ == WalkDirections::kAll) {
-    covariance.addToConstants(elapsed_ * variance_growth_);
-    return;
+/// Directional forgetting (Kulhavy): the covariance grows along P h, where the interval's
+/// measurement h has just made it smaller, and nowhere else. What the data do not show, as with a
+/// pattern at rest, stays as well known as it was.
+void IntervalFilter::forget(Covariance& covariance) const {
+  const double growth = std::expm1(elapsed_ / memory_time_);
+  for (int axis = 0; axis < 2; ++axis) {
+    const ParameterVector shown = sensitivity_sum_.row(axis).tail<5>();
+    const ParameterVector direction = covariance.matrix().bottomRightCorner<5, 5>() * shown;
+    const double variance = shown.dot(direction);
+    if (variance > 0.0) covariance.addToConstants(growth / variance, direction);
   }
-  const ParameterVector first = sensitivity_sum_.row(0).tail<5>();
-  ParameterVector second = sensitivity_sum_.row(1).tail<5>();
-  const ParameterVector along_first = variance_growth_.cwiseProduct(first);
-  const double first_square = first.dot(along_first);
-  if (first_square > 0.0) {
-    covariance.addToConstants(elapsed_ / first_square, along_first);
-    second -= second.dot(along_first) / first_square * first;
-  }
-  const ParameterVector along_second = variance_growth_.cwiseProduct(second);
-  const double second_square = second.dot(along_second);
-  if (second_square > 0.0) covariance.addToConstants(elapsed_ / second_square, along_second);
 }
 
 RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::measureSample(

@@ -24,13 +24,14 @@ struct BatchEstimate {
 };
 
 /// Least squares of the extended parameters on the whole record at once: the yardstick for the
-/// filters. The same model, the same means of the envelope over `update_period`, the same prior, but
-/// no process noise: each unbroken piece of the record is one solution of the envelope's equation.
+/// filters. The same model, the same means of the envelope over `update_period`, the same prior,
+/// but no process noise: each unbroken piece of the record is one solution of the envelope's
+/// equation.
 ///
-/// Gauss-Newton. The first passes take the derivatives along the measured envelope: the difference of
-/// the measured from the predicted envelope obeys the equation of the predicted one, driven by the
-/// errors of the parameters times the measured envelope and the drive, exactly. So one pass finds the
-/// parameters from any guess, up to noise; the last ones are ordinary.
+/// Gauss-Newton. The first passes take the derivatives along the measured envelope: the difference
+/// of the measured from the predicted envelope obeys the equation of the predicted one, driven by
+/// the errors of the parameters times the measured envelope and the drive, exactly. So one pass
+/// finds the parameters from any guess, up to noise; the last ones are ordinary.
 class BatchLeastSquares {
  public:
   /// Throws std::invalid_argument naming what cannot be used.

@@ -31,6 +31,7 @@ struct IdentificationParameters {
   double gamma_walk = 0.0;                ///< random walk [1/sqrt(s)]
   double mu_walk = 0.0;                   ///< random walk [1/sqrt(s)]
   double drive_gain_walk = 0.0;           ///< random walk, relative [1/sqrt(s)]
+  double memory_time = 0.0;               ///< after which data count for 1/e, 0: for ever [s]
   double converged_gamma_sigma = 1e-4;    ///< rule of `converged`
   double converged_mu_sigma = 1e-8;
   double converged_drive_gain_sigma = 5e-4;   ///< relative

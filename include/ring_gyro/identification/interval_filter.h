@@ -17,14 +17,6 @@ struct IntervalNoise {
   double angle_density = 0.0;
 };
 
-/// Where a random walk of the parameters enters the covariance.
-enum class WalkDirections {
-  kAll,  ///< everywhere
-  /// Only along the combinations of parameters that the interval's measurement depends on: what the
-  /// data do not show, as with a pattern at rest, stays as well known as it was.
-  kSeen
-};
-
 /// Outcome of one update.
 struct IntervalUpdate {
   bool accepted = false;  ///< false: a number was not finite, or no sample; nothing was changed
@@ -51,9 +43,10 @@ class IntervalFilter {
   using ParameterVector = Eigen::Matrix<double, 5, 1>;  ///< gamma1, gamma2, mu1, mu2, ks
 
   /// Forgets everything and starts an interval. value[kDriveGain], not zero, sets the scale of ks;
-  /// `walk`: random walk of the parameters [unit of the parameter / sqrt(s)], in these directions.
+  /// `walk`: random walk of the parameters [unit of the parameter / sqrt(s)]. `memory_time`: after
+  /// which data count for 1/e, 0: they count for ever [s].
   void initialise(const StateVector& value, const StateVector& sigma, const ParameterVector& walk,
-                  WalkDirections directions = WalkDirections::kSeen);
+                  double memory_time = 0.0);
   /// Forgets a and b, keeps the parameters: `axes` with standard deviation `sigma` [V], correlated
   /// with nothing. Starts an interval.
   void restartAxes(const Eigen::Vector2d& axes, double sigma);
@@ -80,7 +73,7 @@ class IntervalFilter {
   using Sensitivity = Eigen::Matrix<double, 2, 7>;  // of a, b to the state at the interval's start
   using Covariance = FactoredCovariance<2>;
 
-  void walk(Covariance& covariance) const;
+  void forget(Covariance& covariance) const;
   DeviceParameters device() const;
   void beginSums();
   // To the other covariance, which counts once all numbers are known to be finite.
@@ -95,7 +88,7 @@ class IntervalFilter {
   int present_ = 0;                  // which of them
   ParameterVector variance_growth_;  // of the parameters [unit of the parameter^2 / s]
   bool walks_ = false;
-  WalkDirections walk_directions_ = WalkDirections::kSeen;
+  double memory_time_ = 0.0;  // 0: for ever
 
   // The running interval. What it gathers is set by its first step or sample.
   bool moved_ = false;
