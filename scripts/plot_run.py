@@ -10,6 +10,7 @@ import argparse
 import csv
 import json
 import sys
+import textwrap
 from pathlib import Path
 
 import matplotlib
@@ -17,6 +18,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.ticker import StrMethodFormatter  # noqa: E402
 
 BLUE, ORANGE, GREEN, GREY = "#0060a8", "#d55e00", "#00795a", "#707070"
 HARMONICS = 8
@@ -114,7 +116,7 @@ def plot_parameters(series: Series, summary: dict):
         ax.set_xlabel("time [s]")
         ax.set_xscale("log")
         ax.set_xlim(time[0] if len(time) else 0.1, time[-1] if len(time) else 1.0)
-        ax.xaxis.set_major_formatter("{x:g}")
+        ax.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     mark_compensation(axes, summary, axes[2, 0])
     return figure
 
@@ -136,12 +138,12 @@ def plot_rates(series: Series, summary: dict):
     close = figure.add_subplot(grid[1, 0], sharex=whole)
     bars = figure.add_subplot(grid[:, 1])
     angle = np.linspace(0.0, 360.0, 1441)
-    heights = []
+    heights, missing = [], []
     for flag, key, colour, name in ((0, "drift_before", ORANGE, "before compensation"),
                                     (1, "drift_after", BLUE, "after compensation")):
         drift = summary[key]
         if "missing" in drift:
-            whole.plot([], [], " ", label=f"{name}: {drift['missing']}")
+            missing.append(f"{name}: {drift['missing']}")
             continue
         chosen = series["compensated"] == flag
         degrees = series["theta_deg"][chosen] % 360.0
@@ -164,18 +166,25 @@ def plot_rates(series: Series, summary: dict):
     whole.set_xticks(np.arange(0, 361, 45))
     whole.tick_params(labelbottom=False)
     whole.set_ylim(*padded(whole.get_ylim(), top=0.3))
-    whole.legend(loc="upper right")
+    if heights:
+        whole.legend(loc="lower right" if missing else "upper right")
     whole.set_title("rate against angle, fit of harmonics 1 to 8")
     close.set_xlabel("pattern angle $\\theta$ [deg]")
     close.set_ylabel("rate [10⁻³ deg/s]")
     if heights:
         close.set_ylim(*padded(close.get_ylim(), top=0.25))
         close.legend(loc="upper right", ncol=2, markerscale=3)
+    else:
+        for ax in (whole, close, bars):
+            ax.set_yticks([])
+    whole.text(0.5, 0.97, "\n".join(textwrap.fill(line, 60) for line in missing), fontsize=8,
+               horizontalalignment="center", verticalalignment="top", transform=whole.transAxes)
     width = 0.8 / max(len(heights), 1)
     for i, (amplitudes, colour, name) in enumerate(heights):
         place = np.arange(1, HARMONICS + 1) + (i - 0.5 * (len(heights) - 1)) * width
         bars.bar(place, amplitudes, width, color=colour, label=name)
-    bars.set_yscale("log")
+    if heights:
+        bars.set_yscale("log")
     bars.set_xticks(range(1, HARMONICS + 1))
     bars.grid(axis="x", visible=False)
     bars.set_xlabel("harmonic of $\\theta$")
@@ -203,7 +212,8 @@ def symmetric_limit(*columns) -> float:
 
 
 def plot_loops(loops: Series, ring_up: Series, summary: dict):
-    figure, axes = plt.subplots(4, 2, figsize=(9.0, 9.0), sharex="col", width_ratios=(1, 1.7))
+    figure, axes = plt.subplots(4, 2, figsize=(9.0, 9.0), sharex="col",
+                                gridspec_kw={"width_ratios": (1, 1.7)})
     rise, run = axes[:, 0], axes[:, 1]
     lock = summary["ring_up_s"]
 
