@@ -110,6 +110,19 @@ void addPhasor(double real, double imaginary, double step, std::size_t count, do
 }
 
 RING_GYRO_VECTOR_CLONES
+void readAxes(double cubic, const double* gain, std::size_t count, double* x, double* y) {
+  for (std::size_t j = 0; j < count; j += kWidth) {
+    Lanes xs, ys;
+    load(x + j, xs);
+    load(y + j, ys);
+    xs += cubic * (xs * xs * xs);
+    ys += cubic * (ys * ys * ys);
+    store(gain[0] * xs + gain[2] * ys, x + j);
+    store(gain[1] * xs + gain[3] * ys, y + j);
+  }
+}
+
+RING_GYRO_VECTOR_CLONES
 std::size_t quantise(double step, double lowest, double highest, std::size_t count,
                      double* values) {
   constexpr double kRound = 6755399441055744.0;  // 1.5 2^52: what is added to it loses its fraction

@@ -17,8 +17,10 @@ namespace {
 
 using Complex = std::complex<double>;
 
-Eigen::Vector2cd delayed(const Eigen::Vector2cd& envelope, const Eigen::Vector2d& delays) {
-  return {envelope[0] * std::polar(1.0, -delays[0]), envelope[1] * std::polar(1.0, -delays[1])};
+// e^{-i delay} of both axes.
+Eigen::Vector2cd delayPhasors(const AxisErrors& axes) {
+  const Eigen::Vector2d delays = axes.phaseDelays();
+  return {std::polar(1.0, -delays[0]), std::polar(1.0, -delays[1])};
 }
 
 PlantParameters withTuning(PlantParameters parameters) {
@@ -49,11 +51,12 @@ class PlantSimulator::Implementation {
         dac_(parameters.drive.dac_bits, parameters.drive.dac_range),
         sense_gain_(parameters.sense.axes.gainMatrix()),
         drive_gain_(parameters.drive.axes.gainMatrix()),
+        sense_delay_(delayPhasors(parameters.sense.axes)),
+        drive_delay_(delayPhasors(parameters.drive.axes)),
         samples_(converter.block_samples),
         displacement_(static_cast<Eigen::Index>(
                           paddedToLanes(static_cast<std::size_t>(converter.block_samples))),
                       2),
-        seen_(displacement_.rows(), 2),
         volts_(displacement_.rows(), 2) {
     if (parameters.drive.dac_bits > 0 && !parameters.drive.zero_order_hold) {
       throw std::invalid_argument("drive: dac_bits = " + std::to_string(parameters.drive.dac_bits) +
@@ -74,7 +77,6 @@ class PlantSimulator::Implementation {
     const double h = converter.samplePeriod();
     const Eigen::Index rows = displacement_.rows();
     displacement_.setZero();
-    seen_.setZero();
     volts_.setZero();
     cosine_.resize(rows);
     sine_.resize(rows);
@@ -104,7 +106,8 @@ class PlantSimulator::Implementation {
   }
 
   const DisplacementBlock& coast() {
-    command_.reference_phase = end_phase_;
+    command_.reference_phase =
+        wrapToPi(command_.reference_phase + command_.reference_frequency * block_.stamp.duration());
     return advance();
   }
 
@@ -119,9 +122,9 @@ class PlantSimulator::Implementation {
     const ResonatorParameters& p = parameters_.resonator;
     PlantTruth truth;
     truth.stamp = block_.stamp;
-    truth.envelope =
-        resonator_.analyticDisplacement(force_, end_phase_, command_.reference_frequency) *
-        std::polar(1.0, -end_phase_);
+    const Complex turn = std::polar(
+        1.0, command_.reference_phase + command_.reference_frequency * block_.stamp.duration());
+    truth.envelope = resonator_.analyticDisplacement(forced_, turn) * std::conj(turn);
     truth.rotation_rate = rotation_rate_;
     truth.rotation_angle = rotation_.meanRate(0.0, time()) * time() + commanded_angle_;
     const double temperature = p.temperature_rate * time();
@@ -155,10 +158,9 @@ class PlantSimulator::Implementation {
     block_.drive_answers_sequence = command_.answers_sequence;
     block_.reference_phase = command_.reference_phase;
     block_.reference_frequency = command_.reference_frequency;
-    end_phase_ =
-        std::remainder(command_.reference_phase + command_.reference_frequency * duration, kTwoPi);
 
     force_ = realisedDrive();
+    forced_ = resonator_.steadyMotion(force_, command_.reference_frequency);
     const bool held = parameters_.drive.zero_order_hold;
     if (held) holdDrive();
     if (!sampled_.isLinear() || !rotation_.isConstant(begin, begin + duration)) {
@@ -181,7 +183,7 @@ class PlantSimulator::Implementation {
     if (p.cubic != 0.0) {
       for (Complex& axis : envelope) axis *= 1.0 + 0.75 * p.cubic * std::norm(axis);
     }
-    const Eigen::Vector2cd volts = delayed(envelope, p.axes.phaseDelays());
+    const Eigen::Vector2cd volts = envelope.cwiseProduct(drive_delay_);
     DriveForce force = Eigen::Vector2cd(drive_gain_.cast<Complex>() * volts);
     if (p.bias_voltage > 0.0) {
       // Re[F e^{i psi}]^2 = (|F|^2 + Re[F^2 e^{2 i psi}]) / 2.
@@ -193,12 +195,10 @@ class PlantSimulator::Implementation {
   }
 
   void moveBlock(double duration) {
-    const BlockMotion& motion = resonator_.propagate(force_, command_.reference_phase,
-                                                     command_.reference_frequency, duration);
-    const Eigen::Vector2d delays = parameters_.sense.axes.phaseDelays();
+    const BlockMotion& motion = resonator_.propagate(forced_, command_.reference_phase, duration);
     const double twice = motion.second_frequency / parameters_.resonator.angularFrequency();
     for (int axis = 0; axis < 2; ++axis) {
-      const Complex delay = std::polar(1.0, -delays[axis]);
+      const Complex delay = sense_delay_[axis];
       std::array<double, BlockMotion::kMaxTerms> real;
       std::array<double, BlockMotion::kMaxTerms> imaginary;
       for (int k = 0; k < motion.terms; ++k) {
@@ -237,7 +237,7 @@ class PlantSimulator::Implementation {
     SampleDrive drive;
     drive.held = parameters_.drive.zero_order_hold;
     drive.force = force_;
-    drive.forced = resonator_.steadyMotion(force_, command_.reference_frequency);
+    drive.forced = forced_;
     for (Eigen::Index j = 0; j < samples_; ++j) {
       const double offset = h * static_cast<double>(j);
       drive.phase = phaseAt(j);
@@ -260,8 +260,8 @@ class PlantSimulator::Implementation {
   // The converter's volts over the block as they reach the axes of the ring.
   void holdDrive() {
     const DriveParameters& p = parameters_.drive;
-    const Eigen::Vector2cd start = delayed(command_.envelope, p.axes.phaseDelays()) *
-                                   std::polar(1.0, command_.reference_phase);
+    const Eigen::Vector2cd start =
+        command_.envelope.cwiseProduct(drive_delay_) * std::polar(1.0, command_.reference_phase);
     const double step = command_.reference_frequency * converter_.samplePeriod();
     volts_.setZero();
     for (int axis = 0; axis < 2; ++axis) {
@@ -275,10 +275,7 @@ class PlantSimulator::Implementation {
     if (p.cubic != 0.0) volts_ += p.cubic * volts_.cube();
     if (p.bias_voltage > 0.0) volts_ += (0.5 / p.bias_voltage) * volts_.square();
     if (drive_gain_.isIdentity(0.0)) return;
-    for (Eigen::Index j = 0; j < samples_; ++j) {
-      const Eigen::Vector2d force = drive_gain_ * volts_.row(j).matrix().transpose();
-      volts_.row(j) = force.transpose().array();
-    }
+    readAxes(0.0, drive_gain_.data(), padded(), volts_.col(0).data(), volts_.col(1).data());
   }
 
   // White force over a block, spread by the vibration over displacement and velocity, less what the
@@ -295,22 +292,23 @@ class PlantSimulator::Implementation {
 
   void sense() {
     const SenseParameters& p = parameters_.sense;
-    if (p.cubic != 0.0) displacement_ += p.cubic * displacement_.cube();
-    const auto first = displacement_.col(0);
-    const auto second = displacement_.col(1);
-    seen_.col(0) = sense_gain_(0, 0) * first + sense_gain_(0, 1) * second;
-    seen_.col(1) = sense_gain_(1, 0) * first + sense_gain_(1, 1) * second;
+    double* const x = displacement_.col(0).data();
+    double* const y = displacement_.col(1).data();
+    if (p.cubic != 0.0 || !sense_gain_.isIdentity(0.0)) {
+      readAxes(p.cubic, sense_gain_.data(), padded(), x, y);
+    }
     if (p.feedthrough != 0.0) addFeedthrough();
     const auto samples = static_cast<std::size_t>(samples_);
-    std::size_t saturated = 0;
-    for (int axis = 0; axis < 2; ++axis) {
-      double* values = seen_.col(axis).data();
-      if (p.noise_density > 0.0) noise_.addTo(values, samples, p.noise_density * sample_sigma_);
-      std::fill(values + samples, values + padded(), 0.0);  // behind the block nothing saturates
-      saturated += adc_.convert(values, padded());
-      std::copy(values, values + samples, (axis == 0 ? block_.x : block_.y).begin());
+    if (p.noise_density > 0.0) {
+      noise_.addTo(x, samples, p.noise_density * sample_sigma_);
+      noise_.addTo(y, samples, p.noise_density * sample_sigma_);
     }
-    block_.saturated_samples = static_cast<std::uint32_t>(saturated);
+    std::fill(x + samples, x + padded(), 0.0);  // behind the block nothing saturates
+    std::fill(y + samples, y + padded(), 0.0);
+    block_.saturated_samples =
+        static_cast<std::uint32_t>(adc_.convert(x, padded()) + adc_.convert(y, padded()));
+    std::copy(x, x + samples, block_.x.begin());
+    std::copy(y, y + samples, block_.y.begin());
   }
 
   void addFeedthrough() {
@@ -318,7 +316,8 @@ class PlantSimulator::Implementation {
                                   std::polar(1.0, command_.reference_phase);
     const double step = command_.reference_frequency * converter_.samplePeriod();
     for (int axis = 0; axis < 2; ++axis) {
-      addPhasor(leak[axis].real(), leak[axis].imag(), step, padded(), seen_.col(axis).data());
+      addPhasor(leak[axis].real(), leak[axis].imag(), step, padded(),
+                displacement_.col(axis).data());
     }
   }
 
@@ -334,11 +333,12 @@ class PlantSimulator::Implementation {
   Converter dac_;
   Eigen::Matrix2d sense_gain_;
   Eigen::Matrix2d drive_gain_;
+  Eigen::Vector2cd sense_delay_;
+  Eigen::Vector2cd drive_delay_;
   Eigen::Index samples_;
-  Eigen::Array<double, Eigen::Dynamic, 2> displacement_;
-  Eigen::Array<double, Eigen::Dynamic, 2> seen_;   // by the electronics
-  Eigen::Array<double, Eigen::Dynamic, 2> volts_;  // of a held drive
-  Eigen::ArrayXd cosine_;                          // of w0 at the sample times of a block
+  Eigen::Array<double, Eigen::Dynamic, 2> displacement_;  // then what the electronics make of it
+  Eigen::Array<double, Eigen::Dynamic, 2> volts_;         // of a held drive
+  Eigen::ArrayXd cosine_;                                 // of w0 at the sample times of a block
   Eigen::ArrayXd sine_;
   Eigen::ArrayXd share_;        // of the block at the sample times
   double sample_sigma_ = 0.0;   // of white noise with one-sided density 1, per sample
@@ -347,7 +347,7 @@ class PlantSimulator::Implementation {
   bool begun_ = false;
   DriveCommand command_;
   DriveForce force_;
-  double end_phase_ = 0.0;
+  ForcedMotion forced_;
   double rotation_rate_ = 0.0;
   double commanded_rate_ = 0.0;
   double commanded_angle_ = 0.0;

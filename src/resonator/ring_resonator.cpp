@@ -43,17 +43,17 @@ void RingResonator::solveSolvent() {
   stiffness_ << p.mu1, p.mu2, p.mu2, -p.mu1;
   stiffness_ *= w0 * w0;
 
-  // D = S - i w0 is the small solution of D = -(D^2 + C D + i w0 C + w0^2 (M - 1)) / (2 i w0);
-  // each pass shrinks the error by about |D| / w0.
-  slow_.setZero();
+  // D = S - i w0 is the small solution of D = i ((D + C) D + i w0 C + w0^2 (M - 1)) / (2 w0); each
+  // pass shrinks the error by about |D| / w0.
+  const Complex scale(0.0, 0.5 / w0);
+  const Eigen::Matrix2cd damping = damping_.cast<Complex>();
+  const Eigen::Matrix2cd first = scale * stiffness_.cast<Complex>() - 0.5 * damping;
+  slow_ = first;
   for (int pass = 0; pass < 50; ++pass) {
-    const Eigen::Matrix2cd next =
-        -(slow_ * slow_ + damping_.cast<Complex>() * slow_ + (kI * w0) * damping_.cast<Complex>() +
-          stiffness_.cast<Complex>()) /
-        (2.0 * kI * w0);
-    const double change = (next - slow_).norm();
+    const Eigen::Matrix2cd next = first + scale * (slow_ + damping) * slow_;
+    const double change = (next - slow_).squaredNorm();
     slow_ = next;
-    if (change <= 1e-16 * slow_.norm()) break;
+    if (change <= 1e-32 * slow_.squaredNorm()) break;
   }
   const Eigen::Matrix2d imaginary = slow_.imag() + w0 * Eigen::Matrix2d::Identity();
   inverse_imaginary_ = imaginary.inverse();
@@ -72,7 +72,8 @@ ForcedMotion RingResonator::steadyMotion(const DriveForce& drive, double frequen
   ForcedMotion motion;
   motion.frequency = frequency;
   motion.fundamental = steadyResponse(drive.fundamental, frequency);
-  if (!drive.harmonic()) {
+  motion.harmonic = drive.harmonic();
+  if (!motion.harmonic) {
     motion.constant = compliance() * drive.constant;
     motion.second = steadyResponse(drive.second, 2.0 * frequency);
   }
@@ -91,18 +92,18 @@ Eigen::Vector2cd RingResonator::freeEnvelope(const Eigen::Vector4d& state) const
   return displacement.cast<Complex>() + kI * imaginary.cast<Complex>();
 }
 
-Eigen::Vector2cd RingResonator::analyticDisplacement(const DriveForce& drive, double phase,
-                                                     double frequency) const {
-  const ForcedMotion forced = steadyMotion(drive, frequency);
-  return freeEnvelope(state_ - forced.at(phase)) + forced.fundamental * std::polar(1.0, phase);
+Eigen::Vector2cd RingResonator::analyticDisplacement(const ForcedMotion& forced,
+                                                     const Complex& turn) const {
+  return freeEnvelope(state_ - forced.atTurn(turn)) + forced.fundamental * turn;
 }
 
-const BlockMotion& RingResonator::propagate(const DriveForce& drive, double phase, double frequency,
+const BlockMotion& RingResonator::propagate(const ForcedMotion& steady, double phase,
                                             double duration) {
   const double w0 = parameters_.angularFrequency();  // the frame does not move with temperature
-  const ForcedMotion steady = steadyMotion(drive, frequency);
-  const Eigen::Vector4d free_state = state_ - steady.at(phase);
-  const Eigen::Vector2cd forced = steady.fundamental * std::polar(1.0, phase);
+  const double frequency = steady.frequency;
+  const Complex begin_turn = std::polar(1.0, phase);
+  const Eigen::Vector4d free_state = state_ - steady.atTurn(begin_turn);
+  const Eigen::Vector2cd forced = steady.fundamental * begin_turn;
 
   // Power series of both slow motions in the frame that turns with w0.
   const Eigen::Matrix2cd step =
@@ -110,11 +111,11 @@ const BlockMotion& RingResonator::propagate(const DriveForce& drive, double phas
   const Complex drift = kI * ((frequency - w0) * duration);
   Eigen::Vector2cd free_term = freeEnvelope(free_state);
   Eigen::Vector2cd forced_term = forced;
-  const double scale = free_term.norm() + forced_term.norm();
+  const double scale = free_term.squaredNorm() + forced_term.squaredNorm();
   motion_.reference_frequency = w0;
   motion_.duration = duration;
   motion_.constant = steady.constant;
-  motion_.second = steady.second * std::polar(1.0, 2.0 * phase);
+  motion_.second = steady.second * (begin_turn * begin_turn);
   motion_.second_frequency = 2.0 * frequency;
   motion_.coefficients[0] = free_term + forced_term;
   motion_.terms = 1;
@@ -122,7 +123,7 @@ const BlockMotion& RingResonator::propagate(const DriveForce& drive, double phas
     const double inverse = 1.0 / motion_.terms;
     free_term = (step * free_term) * inverse;
     forced_term *= drift * inverse;
-    if (free_term.norm() + forced_term.norm() <= 1e-17 * scale) break;
+    if (free_term.squaredNorm() + forced_term.squaredNorm() <= 1e-34 * scale) break;
     if (motion_.terms == BlockMotion::kMaxTerms) {
       throw std::domain_error(
           "resonator: the reference is too far from the resonance for a block this long; bring "
@@ -132,17 +133,24 @@ const BlockMotion& RingResonator::propagate(const DriveForce& drive, double phas
   }
 
   // The end of the series is the new state: displacement and, by S and i w, velocity.
-  const Complex turned = std::polar(1.0, w0 * duration);
+  if (duration != turned_duration_) {
+    turned_duration_ = duration;
+    turn_ = std::polar(1.0, w0 * duration);
+  }
   Eigen::Vector2cd end = Eigen::Vector2cd::Zero();
   for (int k = motion_.terms - 1; k >= 0; --k) end += motion_.coefficients[k];
-  end *= turned;
+  end *= turn_;
   const Complex forced_turn = std::polar(1.0, frequency * duration);
   const Eigen::Vector2cd forced_end = forced * forced_turn;
-  const Eigen::Vector2cd second_end = motion_.second * (forced_turn * forced_turn);
   const Eigen::Vector2cd free_end = end - forced_end;
-  const Eigen::Vector2cd velocity = slow_ * free_end + (kI * angular_frequency_) * free_end +
-                                    (kI * frequency) * (forced_end + 2.0 * second_end);
-  state_ << end.real() + motion_.constant + second_end.real(), velocity.real();
+  const Eigen::Vector2cd velocity =
+      slow_ * free_end + (kI * angular_frequency_) * free_end + (kI * frequency) * forced_end;
+  state_ << end.real(), velocity.real();
+  if (!steady.harmonic) {
+    const Eigen::Vector2cd second_end = motion_.second * (forced_turn * forced_turn);
+    state_.head<2>() += motion_.constant + second_end.real();
+    state_.tail<2>() -= 2.0 * frequency * second_end.imag();
+  }
   return motion_;
 }
 

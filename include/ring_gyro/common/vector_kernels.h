@@ -26,6 +26,10 @@ void mixDown(const double* x, const double* y, double phase, double step, std::s
 /// out[j] += Re[(real + i imaginary) e^{i step j}].
 void addPhasor(double real, double imaginary, double step, std::size_t count, double* out);
 
+/// What two axes read, in place: (x, y) <- gain (x + cubic x^3, y + cubic y^3), the 2x2 gain by
+/// columns.
+void readAxes(double cubic, const double* gain, std::size_t count, double* x, double* y);
+
 /// Rounds each value to the nearest multiple of `step`, within [lowest, highest]; gives the number
 /// of values that lay beyond.
 std::size_t quantise(double step, double lowest, double highest, std::size_t count, double* values);

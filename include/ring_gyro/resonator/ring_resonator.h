@@ -45,12 +45,16 @@ class RingResonator {
   /// Counts the changes of the conditions, from 1.
   std::uint64_t conditionChanges() const { return condition_changes_; }
 
-  /// Motion over the next `duration` [s] under the drive with the reference phase + w t; the state
-  /// moves to its end.
+  /// Motion over the next `duration` [s] under the drive whose steady motion is `forced`, from the
+  /// reference phase [rad] on; the state moves to its end.
   /// Throws std::domain_error when the drive is so far from the resonance (or the block so long)
   /// that the series does not converge.
+  const BlockMotion& propagate(const ForcedMotion& forced, double phase, double duration);
+  /// The same under the drive at `frequency` [rad/s].
   const BlockMotion& propagate(const DriveForce& drive, double phase, double frequency,
-                               double duration);
+                               double duration) {
+    return propagate(steadyMotion(drive, frequency), phase, duration);
+  }
 
   /// Complex displacement whose real part is the state's displacement: the free vibration with
   /// velocity and displacement of `state` (used for the true orbital elements).
@@ -63,8 +67,9 @@ class RingResonator {
 
   /// Complex displacement at the present state, split into free and forced motion: the slow
   /// envelope times e^{i psi}, free of 2 w ripple and of the response to the drive's square.
-  Eigen::Vector2cd analyticDisplacement(const DriveForce& drive, double phase,
-                                        double frequency) const;
+  /// `turn`: e^{i psi} at the state.
+  Eigen::Vector2cd analyticDisplacement(const ForcedMotion& forced,
+                                        const std::complex<double>& turn) const;
 
   /// Matrix e^{A t} that moves the undriven state by a time t [s] of a few samples.
   Eigen::Matrix4d flow(double time) const;
@@ -88,6 +93,8 @@ class RingResonator {
   Eigen::Matrix2cd slow_;              // S - i w0
   Eigen::Matrix2d inverse_imaginary_;  // Im(S)^-1
   Eigen::Vector4d state_ = Eigen::Vector4d::Zero();
+  double turned_duration_ = 0.0;  // of the block that ends with turn_ [s]
+  std::complex<double> turn_;     // e^{i w0 duration} of the frame
   BlockMotion motion_;
 };
 
