@@ -1,11 +1,11 @@
 #include "ring_gyro/resonator/plant_simulator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
 
+#include "ring_gyro/common/aligned_vector.h"
 #include "ring_gyro/common/vector_kernels.h"
 #include "ring_gyro/resonator/converter.h"
 #include "ring_gyro/resonator/normal_source.h"
@@ -53,11 +53,8 @@ class PlantSimulator::Implementation {
         drive_gain_(parameters.drive.axes.gainMatrix()),
         sense_delay_(delayPhasors(parameters.sense.axes)),
         drive_delay_(delayPhasors(parameters.drive.axes)),
-        samples_(converter.block_samples),
-        displacement_(static_cast<Eigen::Index>(
-                          paddedToLanes(static_cast<std::size_t>(converter.block_samples))),
-                      2),
-        volts_(displacement_.rows(), 2) {
+        samples_(static_cast<std::size_t>(converter.block_samples)),
+        padded_(paddedToLanes(samples_)) {
     if (parameters.drive.dac_bits > 0 && !parameters.drive.zero_order_hold) {
       throw std::invalid_argument("drive: dac_bits = " + std::to_string(parameters.drive.dac_bits) +
                                   " needs a held drive; set zero_order_hold: true, or dac_bits: 0");
@@ -70,27 +67,28 @@ class PlantSimulator::Implementation {
     block_.stamp.duration_ns = converter.blockDurationNanoseconds();
     block_.stamp.end_ns = start_ns;
     start_ns_ = start_ns;
-    block_.x.resize(static_cast<std::size_t>(samples_));
-    block_.y.resize(static_cast<std::size_t>(samples_));
+    block_.x.resize(samples_);
+    block_.y.resize(samples_);
 
     const double w0 = parameters_.resonator.angularFrequency();
     const double h = converter.samplePeriod();
-    const Eigen::Index rows = displacement_.rows();
-    displacement_.setZero();
-    volts_.setZero();
-    cosine_.resize(rows);
-    sine_.resize(rows);
-    share_.resize(rows);
-    for (Eigen::Index j = 0; j < rows; ++j) {
+    x_.resize(padded_);
+    y_.resize(padded_);
+    drive_x_.resize(padded_);
+    drive_y_.resize(padded_);
+    for (std::size_t j = 0; j < padded_; ++j) {
       const double turn = w0 * h * static_cast<double>(j);
-      cosine_[j] = std::cos(turn);
-      sine_[j] = std::sin(turn);
-      share_[j] = static_cast<double>(j) / static_cast<double>(samples_);
+      cosine_.push_back(std::cos(turn));
+      sine_.push_back(std::sin(turn));
+      share_.push_back(static_cast<double>(j) / static_cast<double>(samples_));
     }
     sample_sigma_ = std::sqrt(0.5 * converter.sample_rate);
     const bool hold = parameters.drive.zero_order_hold;
     const double drive_density = hold ? 0.0 : parameters.drive.noise_density;
     force_density_ = std::hypot(parameters.resonator.thermal_noise_density, drive_density);
+    const double decay = 2.0 * parameters_.resonator.decayRate();
+    const double effective = -std::expm1(-decay * block_.stamp.duration()) / decay;
+    velocity_kick_ = 0.5 * resonator_.driveGain() * force_density_ * std::sqrt(effective);
   }
 
   const DisplacementBlock& step(const DriveCommand& command) {
@@ -170,7 +168,7 @@ class PlantSimulator::Implementation {
     } else {
       moveBlock(duration);
     }
-    kickByNoise(duration);
+    kickByNoise();
     sense();
     return block_;
   }
@@ -196,40 +194,40 @@ class PlantSimulator::Implementation {
 
   void moveBlock(double duration) {
     const BlockMotion& motion = resonator_.propagate(forced_, command_.reference_phase, duration);
+    PhasorSeries series;
+    series.terms = motion.terms;
+    for (int k = 0; k < motion.terms; ++k) {
+      const Eigen::Vector2cd coefficient = motion.coefficients[k].cwiseProduct(sense_delay_);
+      series.x_real[k] = coefficient[0].real();
+      series.x_imaginary[k] = coefficient[0].imag();
+      series.y_real[k] = coefficient[1].real();
+      series.y_imaginary[k] = coefficient[1].imag();
+    }
+    samplePhasorSeries(series, share_.data(), cosine_.data(), sine_.data(), padded_, x_.data(),
+                       y_.data());
+    if (forced_.harmonic) return;
+    // What the phase delay, cos(delay) u - sin(delay) u' / w0, makes of the rest.
     const double twice = motion.second_frequency / parameters_.resonator.angularFrequency();
     for (int axis = 0; axis < 2; ++axis) {
       const Complex delay = sense_delay_[axis];
-      std::array<double, BlockMotion::kMaxTerms> real;
-      std::array<double, BlockMotion::kMaxTerms> imaginary;
-      for (int k = 0; k < motion.terms; ++k) {
-        const Complex coefficient = motion.coefficients[k][axis] * delay;
-        real[k] = coefficient.real();
-        imaginary[k] = coefficient.imag();
-      }
-      double* samples = displacement_.col(axis).data();
-      samplePhasorSeries(real.data(), imaginary.data(), motion.terms, share_.data(), cosine_.data(),
-                         sine_.data(), padded(), samples);
-      if (force_.harmonic()) continue;
-      // What the phase delay, cos(delay) u - sin(delay) u' / w0, makes of them.
-      displacement_.col(axis) += delay.real() * motion.constant[axis];
+      AlignedVector& samples = axis == 0 ? x_ : y_;
+      for (double& sample : samples) sample += delay.real() * motion.constant[axis];
       const Complex second = motion.second[axis] * Complex(delay.real(), delay.imag() * twice);
       addPhasor(second.real(), second.imag(), motion.second_frequency * converter_.samplePeriod(),
-                padded(), samples);
+                padded_, samples.data());
     }
   }
 
   void moveHeld() {
     sampled_.setLinear(resonator_);
     Eigen::Vector4d state = resonator_.state();
-    sampled_.moveHeld(state, volts_.col(0).data(), volts_.col(1).data(),
-                      static_cast<std::size_t>(samples_), parameters_.sense.axes.phaseDelays(),
-                      displacement_.col(0).data(), displacement_.col(1).data());
+    sampled_.moveHeld(state, drive_x_.data(), drive_y_.data(), samples_,
+                      parameters_.sense.axes.phaseDelays(), x_.data(), y_.data());
     resonator_.setState(state);
   }
 
   void integrateSamples(double begin, double profile_rate) {
     sampled_.setLinear(resonator_);
-    const Eigen::Vector2d delays = parameters_.sense.axes.phaseDelays();
     const double w0 = parameters_.resonator.angularFrequency();
     const double h = converter_.samplePeriod();
     const auto extra_rate = [&](double t) { return rotation_.rate(t) - profile_rate; };
@@ -238,21 +236,19 @@ class PlantSimulator::Implementation {
     drive.held = parameters_.drive.zero_order_hold;
     drive.force = force_;
     drive.forced = forced_;
-    for (Eigen::Index j = 0; j < samples_; ++j) {
+    for (std::size_t j = 0; j < samples_; ++j) {
       const double offset = h * static_cast<double>(j);
       drive.phase = phaseAt(j);
       drive.next_phase = phaseAt(j + 1);
-      if (drive.held) drive.value = volts_.row(j).matrix().transpose();
-      for (int axis = 0; axis < 2; ++axis) {
-        displacement_(j, axis) =
-            std::cos(delays[axis]) * state[axis] - std::sin(delays[axis]) * state[axis + 2] / w0;
-      }
+      if (drive.held) drive.value = {drive_x_[j], drive_y_[j]};
+      x_[j] = sense_delay_[0].real() * state[0] + sense_delay_[0].imag() * state[2] / w0;
+      y_[j] = sense_delay_[1].real() * state[1] + sense_delay_[1].imag() * state[3] / w0;
       state = sampled_.step(state, drive, begin + offset, extra_rate);
     }
     resonator_.setState(state);
   }
 
-  double phaseAt(Eigen::Index sample) const {
+  double phaseAt(std::size_t sample) const {
     return command_.reference_phase +
            command_.reference_frequency * converter_.samplePeriod() * static_cast<double>(sample);
   }
@@ -263,28 +259,27 @@ class PlantSimulator::Implementation {
     const Eigen::Vector2cd start =
         command_.envelope.cwiseProduct(drive_delay_) * std::polar(1.0, command_.reference_phase);
     const double step = command_.reference_frequency * converter_.samplePeriod();
-    volts_.setZero();
     for (int axis = 0; axis < 2; ++axis) {
-      double* volts = volts_.col(axis).data();
-      addPhasor(start[axis].real(), start[axis].imag(), step, padded(), volts);
-      dac_.convert(volts, padded());
+      AlignedVector& volts = axis == 0 ? drive_x_ : drive_y_;
+      std::fill(volts.begin(), volts.end(), 0.0);
+      addPhasor(start[axis].real(), start[axis].imag(), step, padded_, volts.data());
+      dac_.convert(volts.data(), padded_);
       if (p.noise_density > 0.0) {
-        noise_.addTo(volts, static_cast<std::size_t>(samples_), p.noise_density * sample_sigma_);
+        noise_.addTo(volts.data(), samples_, p.noise_density * sample_sigma_);
       }
     }
-    if (p.cubic != 0.0) volts_ += p.cubic * volts_.cube();
-    if (p.bias_voltage > 0.0) volts_ += (0.5 / p.bias_voltage) * volts_.square();
-    if (drive_gain_.isIdentity(0.0)) return;
-    readAxes(0.0, drive_gain_.data(), padded(), volts_.col(0).data(), volts_.col(1).data());
+    const double square = p.bias_voltage > 0.0 ? 0.5 / p.bias_voltage : 0.0;
+    if (p.cubic != 0.0 || square != 0.0 || !drive_gain_.isIdentity(0.0)) {
+      applyAxisErrors({p.cubic, square, drive_gain_.data()}, padded_, drive_x_.data(),
+                      drive_y_.data());
+    }
   }
 
   // White force over a block, spread by the vibration over displacement and velocity, less what the
   // damping takes of it until the block's end.
-  void kickByNoise(double duration) {
+  void kickByNoise() {
     if (force_density_ == 0.0) return;
-    const double decay = 2.0 * parameters_.resonator.decayRate();
-    const double effective = -std::expm1(-decay * duration) / decay;
-    const double velocity = 0.5 * resonator_.driveGain() * force_density_ * std::sqrt(effective);
+    const double velocity = velocity_kick_;
     const double displacement = velocity / parameters_.resonator.angularFrequency();
     resonator_.addToState({displacement * noise_.next(), displacement * noise_.next(),
                            velocity * noise_.next(), velocity * noise_.next()});
@@ -292,36 +287,33 @@ class PlantSimulator::Implementation {
 
   void sense() {
     const SenseParameters& p = parameters_.sense;
-    double* const x = displacement_.col(0).data();
-    double* const y = displacement_.col(1).data();
     if (p.cubic != 0.0 || !sense_gain_.isIdentity(0.0)) {
-      readAxes(p.cubic, sense_gain_.data(), padded(), x, y);
+      applyAxisErrors({p.cubic, 0.0, sense_gain_.data()}, padded_, x_.data(), y_.data());
     }
     if (p.feedthrough != 0.0) addFeedthrough();
-    const auto samples = static_cast<std::size_t>(samples_);
     if (p.noise_density > 0.0) {
-      noise_.addTo(x, samples, p.noise_density * sample_sigma_);
-      noise_.addTo(y, samples, p.noise_density * sample_sigma_);
+      noise_.addTo(x_.data(), samples_, p.noise_density * sample_sigma_);
+      noise_.addTo(y_.data(), samples_, p.noise_density * sample_sigma_);
     }
-    std::fill(x + samples, x + padded(), 0.0);  // behind the block nothing saturates
-    std::fill(y + samples, y + padded(), 0.0);
-    block_.saturated_samples =
-        static_cast<std::uint32_t>(adc_.convert(x, padded()) + adc_.convert(y, padded()));
-    std::copy(x, x + samples, block_.x.begin());
-    std::copy(y, y + samples, block_.y.begin());
+    std::size_t saturated = 0;
+    if (!adc_.ideal()) {
+      // Behind the block nothing saturates.
+      std::fill(x_.data() + samples_, x_.data() + padded_, 0.0);
+      std::fill(y_.data() + samples_, y_.data() + padded_, 0.0);
+      saturated = adc_.convert(x_.data(), padded_) + adc_.convert(y_.data(), padded_);
+    }
+    block_.saturated_samples = static_cast<std::uint32_t>(saturated);
+    std::copy_n(x_.data(), samples_, block_.x.data());
+    std::copy_n(y_.data(), samples_, block_.y.data());
   }
 
   void addFeedthrough() {
     const Eigen::Vector2cd leak = parameters_.sense.feedthrough * command_.envelope *
                                   std::polar(1.0, command_.reference_phase);
     const double step = command_.reference_frequency * converter_.samplePeriod();
-    for (int axis = 0; axis < 2; ++axis) {
-      addPhasor(leak[axis].real(), leak[axis].imag(), step, padded(),
-                displacement_.col(axis).data());
-    }
+    addPhasor(leak[0].real(), leak[0].imag(), step, padded_, x_.data());
+    addPhasor(leak[1].real(), leak[1].imag(), step, padded_, y_.data());
   }
-
-  std::size_t padded() const { return static_cast<std::size_t>(displacement_.rows()); }
 
   PlantParameters parameters_;
   ConverterParameters converter_;
@@ -335,14 +327,18 @@ class PlantSimulator::Implementation {
   Eigen::Matrix2d drive_gain_;
   Eigen::Vector2cd sense_delay_;
   Eigen::Vector2cd drive_delay_;
-  Eigen::Index samples_;
-  Eigen::Array<double, Eigen::Dynamic, 2> displacement_;  // then what the electronics make of it
-  Eigen::Array<double, Eigen::Dynamic, 2> volts_;         // of a held drive
-  Eigen::ArrayXd cosine_;                                 // of w0 at the sample times of a block
-  Eigen::ArrayXd sine_;
-  Eigen::ArrayXd share_;        // of the block at the sample times
+  std::size_t samples_;  // of a block
+  std::size_t padded_;   // to whole lanes
+  AlignedVector x_;      // displacements, then what the electronics make of them
+  AlignedVector y_;
+  AlignedVector drive_x_;  // held
+  AlignedVector drive_y_;
+  AlignedVector cosine_;  // of w0 at the sample times of a block
+  AlignedVector sine_;
+  AlignedVector share_;         // of the block at the sample times
   double sample_sigma_ = 0.0;   // of white noise with one-sided density 1, per sample
   double force_density_ = 0.0;  // of force noise, as drive [V/sqrt(Hz)]
+  double velocity_kick_ = 0.0;  // of it over a block, each quadrature [V/s]
   std::int64_t start_ns_ = 0;
   bool begun_ = false;
   DriveCommand command_;

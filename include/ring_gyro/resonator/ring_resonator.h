@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstdint>
 
+#include "ring_gyro/common/vector_kernels.h"
 #include "ring_gyro/resonator/drive_force.h"
 #include "ring_gyro/resonator/resonator_parameters.h"
 
@@ -14,7 +15,7 @@ namespace ring_gyro {
 /// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k + second e^{i w_2 s}] + constant, exact to
 /// rounding. The last two are the response to the drive's square; zero without it.
 struct BlockMotion {
-  static constexpr int kMaxTerms = 24;
+  static constexpr int kMaxTerms = PhasorSeries::kMaxTerms;
   std::array<Eigen::Vector2cd, kMaxTerms> coefficients;
   int terms = 0;
   double reference_frequency = 0.0;  ///< w_ref [rad/s]
