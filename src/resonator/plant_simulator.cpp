@@ -120,9 +120,7 @@ class PlantSimulator::Implementation {
     const ResonatorParameters& p = parameters_.resonator;
     PlantTruth truth;
     truth.stamp = block_.stamp;
-    const Complex turn = std::polar(
-        1.0, command_.reference_phase + command_.reference_frequency * block_.stamp.duration());
-    truth.envelope = resonator_.analyticDisplacement(forced_, turn) * std::conj(turn);
+    truth.envelope = resonator_.analyticDisplacement(forced_, end_turn_) * std::conj(end_turn_);
     truth.rotation_rate = rotation_rate_;
     truth.rotation_angle = rotation_.meanRate(0.0, time()) * time() + commanded_angle_;
     const double temperature = p.temperature_rate * time();
@@ -161,12 +159,16 @@ class PlantSimulator::Implementation {
     forced_ = resonator_.steadyMotion(force_, command_.reference_frequency);
     const bool held = parameters_.drive.zero_order_hold;
     if (held) holdDrive();
-    if (!sampled_.isLinear() || !rotation_.isConstant(begin, begin + duration)) {
-      integrateSamples(begin, profile_rate);
-    } else if (held) {
-      moveHeld();
-    } else {
+    const bool linear = sampled_.isLinear() && rotation_.isConstant(begin, begin + duration);
+    if (linear && !held) {
       moveBlock(duration);
+    } else {
+      if (linear) {
+        moveHeld();
+      } else {
+        integrateSamples(begin, profile_rate);
+      }
+      end_turn_ = std::polar(1.0, phaseAt(samples_));
     }
     kickByNoise();
     sense();
@@ -194,6 +196,7 @@ class PlantSimulator::Implementation {
 
   void moveBlock(double duration) {
     const BlockMotion& motion = resonator_.propagate(forced_, command_.reference_phase, duration);
+    end_turn_ = motion.end_turn;
     PhasorSeries series;
     series.terms = motion.terms;
     for (int k = 0; k < motion.terms; ++k) {
@@ -344,6 +347,7 @@ class PlantSimulator::Implementation {
   DriveCommand command_;
   DriveForce force_;
   ForcedMotion forced_;
+  Complex end_turn_{1.0, 0.0};  // e^{i psi} of the NCO at the end of the block
   double rotation_rate_ = 0.0;
   double commanded_rate_ = 0.0;
   double commanded_angle_ = 0.0;

@@ -63,9 +63,17 @@ Eigen::Vector2cd RingResonator::steadyResponse(const Eigen::Vector2cd& drive,
                                                double frequency) const {
   // w0^2 - w^2 as a product: near the resonance the difference of squares would lose digits.
   const double detuning = (angular_frequency_ - frequency) * (angular_frequency_ + frequency);
-  Eigen::Matrix2cd dynamic = (kI * frequency) * damping_.cast<Complex>();
-  dynamic += (stiffness_ + detuning * Eigen::Matrix2d::Identity()).cast<Complex>();
-  return dynamic.inverse() * (drive_gain_ * drive);
+  // (w0^2 M - w^2 + i w C) X = ks F, by Cramer's rule.
+  const auto entry = [&](int row, int column, double diagonal) {
+    return Complex(stiffness_(row, column) + diagonal, frequency * damping_(row, column));
+  };
+  const Complex xx = entry(0, 0, detuning);
+  const Complex xy = entry(0, 1, 0.0);
+  const Complex yx = entry(1, 0, 0.0);
+  const Complex yy = entry(1, 1, detuning);
+  const Complex determinant = xx * yy - xy * yx;
+  const Complex scale = std::conj(determinant) * (drive_gain_ / std::norm(determinant));
+  return {scale * (yy * drive[0] - xy * drive[1]), scale * (xx * drive[1] - yx * drive[0])};
 }
 
 ForcedMotion RingResonator::steadyMotion(const DriveForce& drive, double frequency) const {
@@ -86,10 +94,11 @@ Eigen::Matrix2d RingResonator::compliance() const {
 }
 
 Eigen::Vector2cd RingResonator::freeEnvelope(const Eigen::Vector4d& state) const {
-  const Eigen::Vector2d displacement = state.head<2>();
-  const Eigen::Vector2d velocity = state.tail<2>();
-  const Eigen::Vector2d imaginary = inverse_imaginary_ * (slow_.real() * displacement - velocity);
-  return displacement.cast<Complex>() + kI * imaginary.cast<Complex>();
+  // u + i Im(S)^-1 (Re(S) u - v)
+  const double x = slow_(0, 0).real() * state[0] + slow_(0, 1).real() * state[1] - state[2];
+  const double y = slow_(1, 0).real() * state[0] + slow_(1, 1).real() * state[1] - state[3];
+  return {Complex(state[0], inverse_imaginary_(0, 0) * x + inverse_imaginary_(0, 1) * y),
+          Complex(state[1], inverse_imaginary_(1, 0) * x + inverse_imaginary_(1, 1) * y)};
 }
 
 Eigen::Vector2cd RingResonator::analyticDisplacement(const ForcedMotion& forced,
@@ -108,10 +117,10 @@ const BlockMotion& RingResonator::propagate(const ForcedMotion& steady, double p
   // Power series of both slow motions in the frame that turns with w0.
   const Eigen::Matrix2cd step =
       duration * (slow_ + (kI * (angular_frequency_ - w0)) * Eigen::Matrix2cd::Identity());
-  const Complex drift = kI * ((frequency - w0) * duration);
+  const double drift = (frequency - w0) * duration;
   Eigen::Vector2cd free_term = freeEnvelope(free_state);
   Eigen::Vector2cd forced_term = forced;
-  const double scale = free_term.squaredNorm() + forced_term.squaredNorm();
+  const double smallest = 1e-34 * (free_term.squaredNorm() + forced_term.squaredNorm());
   motion_.reference_frequency = w0;
   motion_.duration = duration;
   motion_.constant = steady.constant;
@@ -119,17 +128,22 @@ const BlockMotion& RingResonator::propagate(const ForcedMotion& steady, double p
   motion_.second_frequency = 2.0 * frequency;
   motion_.coefficients[0] = free_term + forced_term;
   motion_.terms = 1;
+  Eigen::Vector2cd end = motion_.coefficients[0];
   while (true) {
     const double inverse = 1.0 / motion_.terms;
-    free_term = (step * free_term) * inverse;
-    forced_term *= drift * inverse;
-    if (free_term.squaredNorm() + forced_term.squaredNorm() <= 1e-34 * scale) break;
+    const double turned = drift * inverse;
+    free_term = {inverse * (step(0, 0) * free_term[0] + step(0, 1) * free_term[1]),
+                 inverse * (step(1, 0) * free_term[0] + step(1, 1) * free_term[1])};
+    forced_term = {Complex(-turned * forced_term[0].imag(), turned * forced_term[0].real()),
+                   Complex(-turned * forced_term[1].imag(), turned * forced_term[1].real())};
+    if (free_term.squaredNorm() + forced_term.squaredNorm() <= smallest) break;
     if (motion_.terms == BlockMotion::kMaxTerms) {
       throw std::domain_error(
           "resonator: the reference is too far from the resonance for a block this long; bring "
           "reference_frequency nearer to natural_frequency or make the blocks shorter");
     }
-    motion_.coefficients[motion_.terms++] = free_term + forced_term;
+    motion_.coefficients[motion_.terms] = free_term + forced_term;
+    end += motion_.coefficients[motion_.terms++];
   }
 
   // The end of the series is the new state: displacement and, by S and i w, velocity.
@@ -137,11 +151,10 @@ const BlockMotion& RingResonator::propagate(const ForcedMotion& steady, double p
     turned_duration_ = duration;
     turn_ = std::polar(1.0, w0 * duration);
   }
-  Eigen::Vector2cd end = Eigen::Vector2cd::Zero();
-  for (int k = motion_.terms - 1; k >= 0; --k) end += motion_.coefficients[k];
   end *= turn_;
   const Complex forced_turn = std::polar(1.0, frequency * duration);
   const Eigen::Vector2cd forced_end = forced * forced_turn;
+  motion_.end_turn = begin_turn * forced_turn;
   const Eigen::Vector2cd free_end = end - forced_end;
   const Eigen::Vector2cd velocity =
       slow_ * free_end + (kI * angular_frequency_) * free_end + (kI * frequency) * forced_end;

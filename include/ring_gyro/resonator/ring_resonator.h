@@ -23,6 +23,7 @@ struct BlockMotion {
   Eigen::Vector2d constant = Eigen::Vector2d::Zero();
   Eigen::Vector2cd second = Eigen::Vector2cd::Zero();
   double second_frequency = 0.0;  ///< w_2, twice that of the drive [rad/s]
+  std::complex<double> end_turn;  ///< e^{i psi} of the drive's reference at the end
 };
 
 /// The two modes of the ring as a linear system, solved exactly between drive updates.
