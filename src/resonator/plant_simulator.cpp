@@ -197,15 +197,7 @@ class PlantSimulator::Implementation {
   void moveBlock(double duration) {
     const BlockMotion& motion = resonator_.propagate(forced_, command_.reference_phase, duration);
     end_turn_ = motion.end_turn;
-    PhasorSeries series;
-    series.terms = motion.terms;
-    for (int k = 0; k < motion.terms; ++k) {
-      const Eigen::Vector2cd coefficient = motion.coefficients[k].cwiseProduct(sense_delay_);
-      series.x_real[k] = coefficient[0].real();
-      series.x_imaginary[k] = coefficient[0].imag();
-      series.y_real[k] = coefficient[1].real();
-      series.y_imaginary[k] = coefficient[1].imag();
-    }
+    const PhasorSeries series = delayed(motion.series);
     samplePhasorSeries(series, share_.data(), cosine_.data(), sine_.data(), padded_, x_.data(),
                        y_.data());
     if (forced_.harmonic) return;
@@ -219,6 +211,20 @@ class PlantSimulator::Implementation {
       addPhasor(second.real(), second.imag(), motion.second_frequency * converter_.samplePeriod(),
                 padded_, samples.data());
     }
+  }
+
+  PhasorSeries delayed(const PhasorSeries& series) const {
+    PhasorSeries result;
+    result.terms = series.terms;
+    for (int k = 0; k < series.terms; ++k) {
+      const Complex x = Complex(series.x_real[k], series.x_imaginary[k]) * sense_delay_[0];
+      const Complex y = Complex(series.y_real[k], series.y_imaginary[k]) * sense_delay_[1];
+      result.x_real[k] = x.real();
+      result.x_imaginary[k] = x.imag();
+      result.y_real[k] = y.real();
+      result.y_imaginary[k] = y.imag();
+    }
+    return result;
   }
 
   void moveHeld() {

@@ -114,37 +114,12 @@ const BlockMotion& RingResonator::propagate(const ForcedMotion& steady, double p
   const Eigen::Vector4d free_state = state_ - steady.atTurn(begin_turn);
   const Eigen::Vector2cd forced = steady.fundamental * begin_turn;
 
-  // Power series of both slow motions in the frame that turns with w0.
-  const Eigen::Matrix2cd step =
-      duration * (slow_ + (kI * (angular_frequency_ - w0)) * Eigen::Matrix2cd::Identity());
-  const double drift = (frequency - w0) * duration;
-  Eigen::Vector2cd free_term = freeEnvelope(free_state);
-  Eigen::Vector2cd forced_term = forced;
-  const double smallest = 1e-34 * (free_term.squaredNorm() + forced_term.squaredNorm());
   motion_.reference_frequency = w0;
   motion_.duration = duration;
   motion_.constant = steady.constant;
   motion_.second = steady.second * (begin_turn * begin_turn);
   motion_.second_frequency = 2.0 * frequency;
-  motion_.coefficients[0] = free_term + forced_term;
-  motion_.terms = 1;
-  Eigen::Vector2cd end = motion_.coefficients[0];
-  while (true) {
-    const double inverse = 1.0 / motion_.terms;
-    const double turned = drift * inverse;
-    free_term = {inverse * (step(0, 0) * free_term[0] + step(0, 1) * free_term[1]),
-                 inverse * (step(1, 0) * free_term[0] + step(1, 1) * free_term[1])};
-    forced_term = {Complex(-turned * forced_term[0].imag(), turned * forced_term[0].real()),
-                   Complex(-turned * forced_term[1].imag(), turned * forced_term[1].real())};
-    if (free_term.squaredNorm() + forced_term.squaredNorm() <= smallest) break;
-    if (motion_.terms == BlockMotion::kMaxTerms) {
-      throw std::domain_error(
-          "resonator: the reference is too far from the resonance for a block this long; bring "
-          "reference_frequency nearer to natural_frequency or make the blocks shorter");
-    }
-    motion_.coefficients[motion_.terms] = free_term + forced_term;
-    end += motion_.coefficients[motion_.terms++];
-  }
+  Eigen::Vector2cd end = expand(freeEnvelope(free_state), forced, (frequency - w0) * duration);
 
   // The end of the series is the new state: displacement and, by S and i w, velocity.
   if (duration != turned_duration_) {
@@ -167,6 +142,68 @@ const BlockMotion& RingResonator::propagate(const ForcedMotion& steady, double p
   return motion_;
 }
 
+// Power series of both slow motions in the frame that turns with w0: the free one with e^{step},
+// the forced one with e^{i drift}. Fills the series of the samples and gives the sum at the block's
+// end. In plain real numbers: it is the longest chain of operations of a block.
+Eigen::Vector2cd RingResonator::expand(const Eigen::Vector2cd& free, const Eigen::Vector2cd& forced,
+                                       double drift) {
+  constexpr double kSampleShare = 1e-13;  // squared below; of the motion
+  constexpr double kEndShare = 1e-17;     // the state adds up its errors
+  const double w0 = parameters_.angularFrequency();
+  const double duration = motion_.duration;
+  const double slip = angular_frequency_ - w0;
+  const double s00r = duration * slow_(0, 0).real();
+  const double s00i = duration * (slow_(0, 0).imag() + slip);
+  const double s01r = duration * slow_(0, 1).real();
+  const double s01i = duration * slow_(0, 1).imag();
+  const double s10r = duration * slow_(1, 0).real();
+  const double s10i = duration * slow_(1, 0).imag();
+  const double s11r = duration * slow_(1, 1).real();
+  const double s11i = duration * (slow_(1, 1).imag() + slip);
+  double xr = free[0].real(), xi = free[0].imag(), yr = free[1].real(), yi = free[1].imag();
+  double pr = forced[0].real(), pi = forced[0].imag(), qr = forced[1].real(), qi = forced[1].imag();
+  const auto size = [&] {
+    return (xr * xr + xi * xi + yr * yr + yi * yi) + (pr * pr + pi * pi + qr * qr + qi * qi);
+  };
+  const double scale = size();
+  PhasorSeries& series = motion_.series;
+  double end_xr = 0.0, end_xi = 0.0, end_yr = 0.0, end_yi = 0.0;
+  double left = scale;
+  int terms = 0;
+  series.terms = 0;
+  while (true) {
+    series.x_real[terms] = xr + pr;
+    series.x_imaginary[terms] = xi + pi;
+    series.y_real[terms] = yr + qr;
+    series.y_imaginary[terms] = yi + qi;
+    end_xr += xr + pr;
+    end_xi += xi + pi;
+    end_yr += yr + qr;
+    end_yi += yi + qi;
+    ++terms;
+    if (left > kSampleShare * kSampleShare * scale || terms == 1) series.terms = terms;
+    const double inverse = 1.0 / terms;
+    const double new_xr = inverse * ((s00r * xr - s00i * xi) + (s01r * yr - s01i * yi));
+    const double new_xi = inverse * ((s00r * xi + s00i * xr) + (s01r * yi + s01i * yr));
+    const double new_yr = inverse * ((s10r * xr - s10i * xi) + (s11r * yr - s11i * yi));
+    const double new_yi = inverse * ((s10r * xi + s10i * xr) + (s11r * yi + s11i * yr));
+    xr = new_xr, xi = new_xi, yr = new_yr, yi = new_yi;
+    const double turned = drift * inverse;
+    const double new_pr = -turned * pi;
+    const double new_qr = -turned * qi;
+    pi = turned * pr, qi = turned * qr;
+    pr = new_pr, qr = new_qr;
+    left = size();
+    if (left <= kEndShare * kEndShare * scale) break;
+    if (terms == PhasorSeries::kMaxTerms) {
+      throw std::domain_error(
+          "resonator: the reference is too far from the resonance for a block this long; bring "
+          "reference_frequency nearer to natural_frequency or make the blocks shorter");
+    }
+  }
+  return {Complex(end_xr, end_xi), Complex(end_yr, end_yi)};
+}
+
 Eigen::Matrix4d RingResonator::flow(double time) const {
   // u = Re[z], v = Re[S z] and z = u + i Im(S)^-1 (Re(S) u - v), as in freeEnvelope.
   const Eigen::Matrix2cd solvent = slow_ + (kI * angular_frequency_) * Eigen::Matrix2cd::Identity();
@@ -178,7 +215,7 @@ Eigen::Matrix4d RingResonator::flow(double time) const {
   const Eigen::Matrix2cd step = time * slow_;
   Eigen::Matrix2cd term = Eigen::Matrix2cd::Identity();
   Eigen::Matrix2cd exponential = term;
-  for (int k = 1; k < BlockMotion::kMaxTerms && term.norm() > 1e-18; ++k) {
+  for (int k = 1; k < PhasorSeries::kMaxTerms && term.norm() > 1e-18; ++k) {
     term = (term * step).eval() / static_cast<double>(k);
     exponential += term;
   }

@@ -11,13 +11,11 @@
 
 namespace ring_gyro {
 
-/// A phasor-modulated signal pair over one block: sample at time s after the block start is
-/// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k + second e^{i w_2 s}] + constant, exact to
-/// rounding. The last two are the response to the drive's square; zero without it.
+/// A phasor-modulated signal pair over one block: the sample at time s after the block start is
+/// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k + second e^{i w_2 s}] + constant, to 1e-13
+/// of the motion. The last two are the response to the drive's square; zero without it.
 struct BlockMotion {
-  static constexpr int kMaxTerms = PhasorSeries::kMaxTerms;
-  std::array<Eigen::Vector2cd, kMaxTerms> coefficients;
-  int terms = 0;
+  PhasorSeries series;               ///< coefficients of both axes [V]
   double reference_frequency = 0.0;  ///< w_ref [rad/s]
   double duration = 0.0;             ///< [s]
   Eigen::Vector2d constant = Eigen::Vector2d::Zero();
@@ -83,6 +81,8 @@ class RingResonator {
 
  private:
   void solveSolvent();
+  Eigen::Vector2cd expand(const Eigen::Vector2cd& free, const Eigen::Vector2cd& forced,
+                          double drift);
 
   ResonatorParameters parameters_;
   double drive_gain_;
