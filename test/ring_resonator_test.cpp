@@ -107,7 +107,12 @@ TEST(RingResonator, SamplesOfABlockLieOnItsMotion) {
   for (int j = 0; j < samples; ++j) {
     const double share = static_cast<double>(j) / samples;
     Eigen::Vector2cd value = Eigen::Vector2cd::Zero();
-    for (int k = motion.terms - 1; k >= 0; --k) value = value * share + motion.coefficients[k];
+    const PhasorSeries& series = motion.series;
+    for (int k = series.terms - 1; k >= 0; --k) {
+      const Eigen::Vector2cd coefficient(Complex(series.x_real[k], series.x_imaginary[k]),
+                                         Complex(series.y_real[k], series.y_imaginary[k]));
+      value = value * share + coefficient;
+    }
     value *= std::polar(1.0, motion.reference_frequency * share * duration);
     ASSERT_NEAR(value[0].real(), parts.state()[0], 2e-12);
     ASSERT_NEAR(value[1].real(), parts.state()[1], 2e-12);

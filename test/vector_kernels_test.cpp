@@ -40,29 +40,52 @@ TEST(VectorKernels, PhasorSeriesIsItsDefinition) {
     sine.push_back(std::sin(angle));
   }
   for (const int terms : {1, 2, 7}) {
-    std::vector<double> out(kCount);
-    samplePhasorSeries(real.data(), imaginary.data(), terms, share.data(), cosine.data(),
-                       sine.data(), kCount, out.data());
+    PhasorSeries series;
+    series.terms = terms;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(terms); ++k) {
+      series.x_real[k] = real[k];
+      series.x_imaginary[k] = imaginary[k];
+      series.y_real[k] = real[k + 20];
+      series.y_imaginary[k] = imaginary[k + 20];
+    }
+    std::vector<double> x(kCount), y(kCount);
+    samplePhasorSeries(series, share.data(), cosine.data(), sine.data(), kCount, x.data(),
+                       y.data());
     for (std::size_t j = 0; j < kCount; ++j) {
-      Complex sum = 0.0;
-      for (int k = 0; k < terms; ++k) {
-        sum += Complex(real[static_cast<std::size_t>(k)], imaginary[static_cast<std::size_t>(k)]) *
-               std::pow(share[j], k);
+      Complex sum_x = 0.0;
+      Complex sum_y = 0.0;
+      for (std::size_t k = 0; k < static_cast<std::size_t>(terms); ++k) {
+        const double power = std::pow(share[j], static_cast<double>(k));
+        sum_x += Complex(real[k], imaginary[k]) * power;
+        sum_y += Complex(real[k + 20], imaginary[k + 20]) * power;
       }
-      ASSERT_NEAR(out[j], (sum * std::polar(1.0, turn[j])).real(), 1e-14);
+      ASSERT_NEAR(x[j], (sum_x * std::polar(1.0, turn[j])).real(), 1e-14);
+      ASSERT_NEAR(y[j], (sum_y * std::polar(1.0, turn[j])).real(), 1e-14);
     }
   }
 }
 
-TEST(VectorKernels, MixDownTurnsBothAxesBack) {
+TEST(VectorKernels, MixDownTurnsBothAxesBackAndWeighsThem) {
   const std::vector<double> x = randomNumbers(5);
   const std::vector<double> y = randomNumbers(6);
-  std::vector<double> xr(kCount), xi(kCount), yr(kCount), yi(kCount);
-  mixDown(x.data(), y.data(), 2.5, 0.44, kCount, xr.data(), xi.data(), yr.data(), yi.data());
-  for (std::size_t j = 0; j < kCount; ++j) {
-    const Complex turn = std::polar(1.0, -2.5 - 0.44 * static_cast<double>(j));
-    ASSERT_NEAR(std::abs(Complex(xr[j], xi[j]) - x[j] * turn), 0.0, 2e-14);
-    ASSERT_NEAR(std::abs(Complex(yr[j], yi[j]) - y[j] * turn), 0.0, 2e-14);
+  const std::vector<double> weights = randomNumbers(14);
+  for (const std::size_t count : {kCount, std::size_t{200}, std::size_t{3}}) {
+    std::vector<double> xr(kCount, 9.0), xi(kCount, 9.0), yr(kCount, 9.0), yi(kCount, 9.0);
+    double sums[4];
+    mixDown(x.data(), y.data(), 2.5, 0.44, count, weights.data(), 0, xr.data(), xi.data(),
+            yr.data(), yi.data(), sums);
+    Complex sum_x = 0.0;
+    Complex sum_y = 0.0;
+    for (std::size_t j = 0; j < count; ++j) {
+      const Complex turn = std::polar(1.0, -2.5 - 0.44 * static_cast<double>(j));
+      ASSERT_NEAR(std::abs(Complex(xr[j], xi[j]) - x[j] * turn), 0.0, 2e-14);
+      ASSERT_NEAR(std::abs(Complex(yr[j], yi[j]) - y[j] * turn), 0.0, 2e-14);
+      sum_x += weights[j] * x[j] * turn;
+      sum_y += weights[j] * y[j] * turn;
+    }
+    for (std::size_t j = count; j < paddedToLanes(count); ++j) ASSERT_EQ(xr[j], 0.0);
+    EXPECT_NEAR(std::abs(Complex(sums[0], sums[1]) - sum_x), 0.0, 1e-13);
+    EXPECT_NEAR(std::abs(Complex(sums[2], sums[3]) - sum_y), 0.0, 1e-13);
   }
 }
 

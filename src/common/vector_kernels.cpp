@@ -20,92 +20,167 @@ using Four = double __attribute__((vector_size(32)));
 inline void load(const double* from, Lanes& lanes) { std::memcpy(&lanes, from, sizeof lanes); }
 inline void store(const Lanes& lanes, double* to) { std::memcpy(to, &lanes, sizeof lanes); }
 
+inline double sumOf(const Lanes& low, const Lanes& high) {
+  const Lanes sum = low + high;
+  return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+}
+
+// The lanes of a phasor that turns by `step` a sample, and its turn by two registers.
+struct TurningLanes {
+  Lanes cosine0, sine0, cosine1, sine1;
+  double cosine_turn, sine_turn;
+};
+
+inline void startTurning(double real, double imaginary, double step, TurningLanes& lanes) {
+  // Powers of e^{i step}, each from halves of its exponent.
+  double c[2 * kWidth + 1];
+  double s[2 * kWidth + 1];
+  c[0] = 1.0;
+  s[0] = 0.0;
+  c[1] = std::cos(step);
+  s[1] = std::sin(step);
+  for (std::size_t l = 2; l <= 2 * kWidth; ++l) {
+    const std::size_t half = l / 2;
+    const std::size_t rest = l - half;
+    c[l] = c[half] * c[rest] - s[half] * s[rest];
+    s[l] = s[half] * c[rest] + c[half] * s[rest];
+  }
+  Lanes power_c, power_s;
+  load(c, power_c);
+  load(s, power_s);
+  lanes.cosine0 = power_c * real - power_s * imaginary;
+  lanes.sine0 = power_s * real + power_c * imaginary;
+  load(c + kWidth, power_c);
+  load(s + kWidth, power_s);
+  lanes.cosine1 = power_c * real - power_s * imaginary;
+  lanes.sine1 = power_s * real + power_c * imaginary;
+  lanes.cosine_turn = c[2 * kWidth];
+  lanes.sine_turn = s[2 * kWidth];
+}
+
+inline void turn(TurningLanes& lanes) {
+  const Lanes cosine0 = lanes.cosine0 * lanes.cosine_turn - lanes.sine0 * lanes.sine_turn;
+  const Lanes cosine1 = lanes.cosine1 * lanes.cosine_turn - lanes.sine1 * lanes.sine_turn;
+  lanes.sine0 = lanes.sine0 * lanes.cosine_turn + lanes.cosine0 * lanes.sine_turn;
+  lanes.sine1 = lanes.sine1 * lanes.cosine_turn + lanes.cosine1 * lanes.sine_turn;
+  lanes.cosine0 = cosine0;
+  lanes.cosine1 = cosine1;
+}
+
 }  // namespace
 
 RING_GYRO_VECTOR_CLONES
-void samplePhasorSeries(const double* real, const double* imaginary, int terms, const double* share,
-                        const double* cosine, const double* sine, std::size_t count, double* out) {
-  for (std::size_t j = 0; j < count; j += kKernelLanes) {
-    Lanes s0, s1;
-    load(share + j, s0);
-    load(share + j + kWidth, s1);
-    Lanes x0 = Lanes{} + real[terms - 1];
-    Lanes y0 = Lanes{} + imaginary[terms - 1];
-    Lanes x1 = x0;
-    Lanes y1 = y0;
-    for (int k = terms - 2; k >= 0; --k) {
-      x0 = x0 * s0 + real[k];
-      x1 = x1 * s1 + real[k];
-      y0 = y0 * s0 + imaginary[k];
-      y1 = y1 * s1 + imaginary[k];
+void samplePhasorSeries(const PhasorSeries& series, const double* share, const double* cosine,
+                        const double* sine, std::size_t count, double* x, double* y) {
+  const int last = series.terms - 1;
+  for (std::size_t j = 0; j < count; j += kWidth) {
+    Lanes s;
+    load(share + j, s);
+    Lanes xr = Lanes{} + series.x_real[last];
+    Lanes xi = Lanes{} + series.x_imaginary[last];
+    Lanes yr = Lanes{} + series.y_real[last];
+    Lanes yi = Lanes{} + series.y_imaginary[last];
+    for (int k = last - 1; k >= 0; --k) {
+      xr = xr * s + series.x_real[k];
+      xi = xi * s + series.x_imaginary[k];
+      yr = yr * s + series.y_real[k];
+      yi = yi * s + series.y_imaginary[k];
     }
-    Lanes c0, c1;
-    load(cosine + j, c0);
-    load(cosine + j + kWidth, c1);
-    load(sine + j, s0);
-    load(sine + j + kWidth, s1);
-    store(x0 * c0 - y0 * s0, out + j);
-    store(x1 * c1 - y1 * s1, out + j + kWidth);
+    Lanes c;
+    load(cosine + j, c);
+    load(sine + j, s);
+    store(xr * c - xi * s, x + j);
+    store(yr * c - yi * s, y + j);
   }
 }
 
 RING_GYRO_VECTOR_CLONES
 void mixDown(const double* x, const double* y, double phase, double step, std::size_t count,
-             double* mixed_x_real, double* mixed_x_imaginary, double* mixed_y_real,
-             double* mixed_y_imaginary) {
-  double c[kWidth];
-  double s[kWidth];
-  c[0] = std::cos(phase);
-  s[0] = -std::sin(phase);
-  const double c_one = std::cos(step);
-  const double s_one = -std::sin(step);
-  for (std::size_t l = 1; l < kWidth; ++l) {
-    c[l] = c[l - 1] * c_one - s[l - 1] * s_one;
-    s[l] = s[l - 1] * c_one + c[l - 1] * s_one;
+             const double* weights, std::size_t kept_from, double* mixed_x_real,
+             double* mixed_x_imaginary, double* mixed_y_real, double* mixed_y_imaginary,
+             double* sums) {
+  TurningLanes phasor;
+  startTurning(std::cos(phase), -std::sin(phase), -step, phasor);
+  Lanes sum_xr0{}, sum_xr1{}, sum_xi0{}, sum_xi1{}, sum_yr0{}, sum_yr1{}, sum_yi0{}, sum_yi1{};
+  double last_x[kKernelLanes] = {};
+  double last_y[kKernelLanes] = {};
+  for (std::size_t j = 0; j < count; j += kKernelLanes) {
+    const double* from_x = x + j;
+    const double* from_y = y + j;
+    if (j + kKernelLanes > count) {
+      std::memcpy(last_x, from_x, (count - j) * sizeof(double));
+      std::memcpy(last_y, from_y, (count - j) * sizeof(double));
+      from_x = last_x;
+      from_y = last_y;
+    }
+    Lanes x0, x1, y0, y1, w0, w1;
+    load(from_x, x0);
+    load(from_x + kWidth, x1);
+    load(from_y, y0);
+    load(from_y + kWidth, y1);
+    load(weights + j, w0);
+    load(weights + j + kWidth, w1);
+    const Lanes xr0 = x0 * phasor.cosine0;
+    const Lanes xr1 = x1 * phasor.cosine1;
+    const Lanes xi0 = x0 * phasor.sine0;
+    const Lanes xi1 = x1 * phasor.sine1;
+    const Lanes yr0 = y0 * phasor.cosine0;
+    const Lanes yr1 = y1 * phasor.cosine1;
+    const Lanes yi0 = y0 * phasor.sine0;
+    const Lanes yi1 = y1 * phasor.sine1;
+    if (j + kKernelLanes > kept_from) {
+      store(xr0, mixed_x_real + j);
+      store(xr1, mixed_x_real + j + kWidth);
+      store(xi0, mixed_x_imaginary + j);
+      store(xi1, mixed_x_imaginary + j + kWidth);
+      store(yr0, mixed_y_real + j);
+      store(yr1, mixed_y_real + j + kWidth);
+      store(yi0, mixed_y_imaginary + j);
+      store(yi1, mixed_y_imaginary + j + kWidth);
+    }
+    sum_xr0 += w0 * xr0;
+    sum_xr1 += w1 * xr1;
+    sum_xi0 += w0 * xi0;
+    sum_xi1 += w1 * xi1;
+    sum_yr0 += w0 * yr0;
+    sum_yr1 += w1 * yr1;
+    sum_yi0 += w0 * yi0;
+    sum_yi1 += w1 * yi1;
+    turn(phasor);
   }
-  Lanes cosine, sine;
-  load(c, cosine);
-  load(s, sine);
-  const double c_step = std::cos(step * static_cast<double>(kWidth));
-  const double s_step = -std::sin(step * static_cast<double>(kWidth));
-  for (std::size_t j = 0; j < count; j += kWidth) {
-    Lanes xs, ys;
-    load(x + j, xs);
-    load(y + j, ys);
-    store(xs * cosine, mixed_x_real + j);
-    store(xs * sine, mixed_x_imaginary + j);
-    store(ys * cosine, mixed_y_real + j);
-    store(ys * sine, mixed_y_imaginary + j);
-    const Lanes turned = cosine * c_step - sine * s_step;
-    sine = sine * c_step + cosine * s_step;
-    cosine = turned;
-  }
+  sums[0] = sumOf(sum_xr0, sum_xr1);
+  sums[1] = sumOf(sum_xi0, sum_xi1);
+  sums[2] = sumOf(sum_yr0, sum_yr1);
+  sums[3] = sumOf(sum_yi0, sum_yi1);
 }
 
 RING_GYRO_VECTOR_CLONES
 void addPhasor(double real, double imaginary, double step, std::size_t count, double* out) {
-  double c[kWidth];
-  double s[kWidth];
-  c[0] = real;
-  s[0] = imaginary;
-  const double c_one = std::cos(step);
-  const double s_one = std::sin(step);
-  for (std::size_t l = 1; l < kWidth; ++l) {
-    c[l] = c[l - 1] * c_one - s[l - 1] * s_one;
-    s[l] = s[l - 1] * c_one + c[l - 1] * s_one;
+  TurningLanes phasor;
+  startTurning(real, imaginary, step, phasor);
+  for (std::size_t j = 0; j < count; j += kKernelLanes) {
+    Lanes values0, values1;
+    load(out + j, values0);
+    load(out + j + kWidth, values1);
+    store(values0 + phasor.cosine0, out + j);
+    store(values1 + phasor.cosine1, out + j + kWidth);
+    turn(phasor);
   }
-  Lanes cosine, sine;
-  load(c, cosine);
-  load(s, sine);
-  const double c_step = std::cos(step * static_cast<double>(kWidth));
-  const double s_step = std::sin(step * static_cast<double>(kWidth));
+}
+
+RING_GYRO_VECTOR_CLONES
+void applyAxisErrors(const AxisErrorKernel& errors, std::size_t count, double* x, double* y) {
+  const double gain[4] = {errors.gain[0], errors.gain[1], errors.gain[2], errors.gain[3]};
   for (std::size_t j = 0; j < count; j += kWidth) {
-    Lanes values;
-    load(out + j, values);
-    store(values + cosine, out + j);
-    const Lanes turned = cosine * c_step - sine * s_step;
-    sine = sine * c_step + cosine * s_step;
-    cosine = turned;
+    Lanes xs, ys;
+    load(x + j, xs);
+    load(y + j, ys);
+    xs += errors.cubic * (xs * xs * xs);
+    ys += errors.cubic * (ys * ys * ys);
+    xs += errors.square * (xs * xs);
+    ys += errors.square * (ys * ys);
+    store(gain[0] * xs + gain[2] * ys, x + j);
+    store(gain[1] * xs + gain[3] * ys, y + j);
   }
 }
 
@@ -164,8 +239,7 @@ double weightedSum(const double* weights, const double* values, std::size_t coun
     sum0 += w0 * v0;
     sum1 += w1 * v1;
   }
-  const Lanes sum = sum0 + sum1;
-  return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+  return sumOf(sum0, sum1);
 }
 
 }  // namespace ring_gyro

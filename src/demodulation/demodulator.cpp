@@ -75,13 +75,12 @@ Demodulator::Demodulator(const DemodulationParameters& parameters,
     : converter_(converter),
       taps_(demodulationFilter(converter, frequency, parameters.stopband_attenuation)),
       samples_(static_cast<std::size_t>(converter.block_samples)),
-      history_(paddedToLanes(std::max(taps_.size(), samples_))),
-      weights_(history_, 0.0),
-      x_(paddedToLanes(samples_), 0.0),
-      y_(paddedToLanes(samples_), 0.0) {
-  std::copy(taps_.begin(), taps_.end(), weights_.end() - static_cast<std::ptrdiff_t>(taps_.size()));
-  // A block is mixed whole lanes at a time: room for the surplus behind the history.
-  for (std::vector<double>& mixed : mixed_) mixed.assign(history_ + kKernelLanes, 0.0);
+      earlier_(taps_.size() > samples_ ? paddedToLanes(taps_.size() - samples_) : 0),
+      weights_(earlier_ + paddedToLanes(samples_), 0.0) {
+  const std::size_t end = earlier_ + samples_;
+  std::copy(taps_.begin(), taps_.end(),
+            weights_.begin() + static_cast<std::ptrdiff_t>(end - taps_.size()));
+  for (AlignedVector& mixed : mixed_) mixed.assign(weights_.size(), 0.0);
 }
 
 double Demodulator::groupDelay() const {
@@ -89,7 +88,7 @@ double Demodulator::groupDelay() const {
 }
 
 void Demodulator::reset() {
-  for (std::vector<double>& mixed : mixed_) std::fill(mixed.begin(), mixed.end(), 0.0);
+  for (AlignedVector& mixed : mixed_) std::fill(mixed.begin(), mixed.end(), 0.0);
 }
 
 std::int64_t Demodulator::settlingBlocks() const {
@@ -98,19 +97,17 @@ std::int64_t Demodulator::settlingBlocks() const {
 }
 
 Eigen::Vector2cd Demodulator::process(const DisplacementBlock& block) {
-  std::copy(block.x.begin(), block.x.end(), x_.begin());
-  std::copy(block.y.begin(), block.y.end(), y_.begin());
-  const std::size_t kept = history_ - samples_;
-  for (std::vector<double>& mixed : mixed_) {
-    const auto begin = mixed.begin() + static_cast<std::ptrdiff_t>(samples_);
-    std::copy(begin, begin + static_cast<std::ptrdiff_t>(kept), mixed.begin());
-  }
-  mixDown(x_.data(), y_.data(), block.reference_phase,
-          block.reference_frequency * converter_.samplePeriod(), x_.size(), &mixed_[0][kept],
-          &mixed_[1][kept], &mixed_[2][kept], &mixed_[3][kept]);
   double sums[4];
   for (std::size_t k = 0; k < 4; ++k) {
-    sums[k] = 2.0 * weightedSum(weights_.data(), mixed_[k].data(), history_);
+    double* const mixed = mixed_[k].data();
+    std::copy(mixed + samples_, mixed + samples_ + earlier_, mixed);
+  }
+  mixDown(block.x.data(), block.y.data(), block.reference_phase,
+          block.reference_frequency * converter_.samplePeriod(), samples_,
+          weights_.data() + earlier_, samples_ - std::min(samples_, earlier_), &mixed_[0][earlier_],
+          &mixed_[1][earlier_], &mixed_[2][earlier_], &mixed_[3][earlier_], sums);
+  for (std::size_t k = 0; k < 4; ++k) {
+    sums[k] = 2.0 * (sums[k] + weightedSum(weights_.data(), mixed_[k].data(), earlier_));
   }
   return {Complex(sums[0], sums[1]), Complex(sums[2], sums[3])};
 }

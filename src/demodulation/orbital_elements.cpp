@@ -20,8 +20,11 @@ Orbit orbitFromEnvelope(const Eigen::Vector2cd& envelope) {
   const double left_angle = std::arg(left);
   const double right_angle = std::arg(right);
   Orbit orbit;
-  orbit.a = 0.5 * (std::abs(left) + std::abs(right));
-  orbit.b = 0.5 * (std::abs(left) - std::abs(right));
+  // std::abs would guard against overflow, which volts have no need of, at some 20 ns.
+  const double left_radius = std::sqrt(std::norm(left));
+  const double right_radius = std::sqrt(std::norm(right));
+  orbit.a = 0.5 * (left_radius + right_radius);
+  orbit.b = 0.5 * (left_radius - right_radius);
   orbit.phi = 0.5 * (left_angle + right_angle);
   orbit.theta = 0.5 * (left_angle - right_angle);
   // phi is now in [-pi, pi]; a turn of pi of both angles is the same motion.

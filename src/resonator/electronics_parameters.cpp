@@ -4,10 +4,14 @@
 
 namespace ring_gyro {
 
+Eigen::Matrix2d AxisErrors::alignmentMatrix() const {
+  Eigen::Matrix2d alignment;
+  alignment << 1.0, 0.0, std::sin(misalignment), std::cos(misalignment);
+  return alignment;
+}
+
 Eigen::Matrix2d AxisErrors::gainMatrix() const {
-  Eigen::Matrix2d gain;
-  gain << gain_x, 0.0, gain_y * std::sin(misalignment), gain_y * std::cos(misalignment);
-  return gain;
+  return Eigen::Vector2d(gain_x, gain_y).asDiagonal() * alignmentMatrix();
 }
 
 Eigen::Vector2d AxisErrors::phaseDelays() const {

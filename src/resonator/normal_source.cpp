@@ -11,37 +11,37 @@ namespace {
 
 constexpr std::size_t kLanes = NormalSource::kLanes;
 
-inline double asDouble(std::uint64_t bits) {
-  double value;
+inline float asFloat(std::uint32_t bits) {
+  float value;
   std::memcpy(&value, &bits, sizeof value);
   return value;
 }
 
-inline std::uint64_t asBits(double value) {
-  std::uint64_t bits;
+inline std::uint32_t asBits(float value) {
+  std::uint32_t bits;
   std::memcpy(&bits, &value, sizeof bits);
   return bits;
 }
 
-inline std::uint64_t rotated(std::uint64_t value, int by) {
-  return (value << by) | (value >> (64 - by));
+inline std::uint32_t rotated(std::uint32_t value, int by) {
+  return (value << by) | (value >> (32 - by));
 }
 
-// One step of xoshiro256++ (Blackman and Vigna) in each lane.
-inline void draw(std::uint64_t* state, std::uint64_t* result) {
+// One step of xoshiro128++ (Blackman and Vigna) in each lane.
+inline void draw(std::uint32_t* state, std::uint32_t* result) {
   for (std::size_t k = 0; k < kLanes; ++k) {
-    std::uint64_t s0 = state[k];
-    std::uint64_t s1 = state[k + kLanes];
-    std::uint64_t s2 = state[k + 2 * kLanes];
-    std::uint64_t s3 = state[k + 3 * kLanes];
-    result[k] = rotated(s0 + s3, 23) + s0;
-    const std::uint64_t t = s1 << 17;
+    std::uint32_t s0 = state[k];
+    std::uint32_t s1 = state[k + kLanes];
+    std::uint32_t s2 = state[k + 2 * kLanes];
+    std::uint32_t s3 = state[k + 3 * kLanes];
+    result[k] = rotated(s0 + s3, 7) + s0;
+    const std::uint32_t t = s1 << 9;
     s2 ^= s0;
     s3 ^= s1;
     s1 ^= s2;
     s0 ^= s3;
     s2 ^= t;
-    s3 = rotated(s3, 45);
+    s3 = rotated(s3, 11);
     state[k] = s0;
     state[k + kLanes] = s1;
     state[k + 2 * kLanes] = s2;
@@ -49,62 +49,67 @@ inline void draw(std::uint64_t* state, std::uint64_t* result) {
   }
 }
 
-// -2 ln(u) for the uniform number u in (0, 1] that the high 52 bits stand for; error below 1e-12.
-inline double minusTwiceLog(std::uint64_t bits) {
-  const double u = 2.0 - asDouble((bits >> 12) | 0x3ff0000000000000ULL);
-  const std::uint64_t raw = asBits(u);
-  // The exponent as a double, by the bits of 2^52 + exponent.
-  const double exponent = asDouble((raw >> 52) | 0x4330000000000000ULL) - 4503599627371519.0;
-  const double mantissa = asDouble((raw & 0x000fffffffffffffULL) | 0x3ff0000000000000ULL);
-  const bool upper = mantissa > 1.4142135623730951;
-  const double m = upper ? 0.5 * mantissa : mantissa;
-  const double e = upper ? exponent + 1.0 : exponent;
-  const double s = (m - 1.0) / (m + 1.0);
-  const double q = s * s;
-  double series = 1.0 / 15.0;
-  series = series * q + 1.0 / 13.0;
-  series = series * q + 1.0 / 11.0;
-  series = series * q + 1.0 / 9.0;
-  series = series * q + 1.0 / 7.0;
-  series = series * q + 1.0 / 5.0;
-  series = series * q + 1.0 / 3.0;
-  series = series * q + 1.0;
-  return -2.0 * (e * 0.6931471805599453 + 2.0 * s * series);
+// -2 ln(u) for the uniform number u in (0, 1] that the high 31 bits stand for. The polynomials here
+// and below are those of Moshier's cephes, good to the last bit but one.
+inline float minusTwiceLog(std::uint32_t bits) {
+  const float u = static_cast<float>(static_cast<std::int32_t>(bits >> 1)) * 0x1p-31F + 0x1p-32F;
+  // u = m 2^e with m between sqrt(1/2) and sqrt(2).
+  const auto raw = static_cast<std::int32_t>(asBits(u));
+  const std::int32_t exponent = (raw - 0x3f3504f3) >> 23;
+  const float f = asFloat(static_cast<std::uint32_t>(raw - exponent * 0x800000)) - 1.0F;
+  const float q = f * f;
+  float series = 7.0376836292e-2F;
+  series = series * f - 1.1514610310e-1F;
+  series = series * f + 1.1676998740e-1F;
+  series = series * f - 1.2420140846e-1F;
+  series = series * f + 1.4249322787e-1F;
+  series = series * f - 1.6668057665e-1F;
+  series = series * f + 2.0000714765e-1F;
+  series = series * f - 2.4999993993e-1F;
+  series = series * f + 3.3333331174e-1F;
+  const float log_m = f + (f * q * series - 0.5F * q);
+  return -2.0F * (static_cast<float>(exponent) * 0.69314718056F + log_m);
 }
 
 RING_GYRO_VECTOR_CLONES
-void drawNormals(std::uint64_t* state, double* normals) {
-  std::uint64_t radius_bits[kLanes];
-  std::uint64_t angle_bits[kLanes];
-  draw(state, radius_bits);
-  draw(state, angle_bits);
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    const double radius = std::sqrt(minusTwiceLog(radius_bits[k]));
-    // An angle within 45 degrees of the x axis; the low bits then swap and mirror it all around.
-    const double v = asDouble((angle_bits[k] >> 12) | 0x3ff0000000000000ULL) - 1.5;
-    const double w = 1.5707963267948966 * v;
-    const double q = w * w;
-    double sine = 1.0 / 6227020800.0;
-    sine = sine * q - 1.0 / 39916800.0;
-    sine = sine * q + 1.0 / 362880.0;
-    sine = sine * q - 1.0 / 5040.0;
-    sine = sine * q + 1.0 / 120.0;
-    sine = sine * q - 1.0 / 6.0;
-    sine = sine * q * w + w;
-    double cosine = -1.0 / 87178291200.0;
-    cosine = cosine * q + 1.0 / 479001600.0;
-    cosine = cosine * q - 1.0 / 3628800.0;
-    cosine = cosine * q + 1.0 / 40320.0;
-    cosine = cosine * q - 1.0 / 720.0;
-    cosine = cosine * q + 1.0 / 24.0;
-    cosine = cosine * q - 0.5;
-    cosine = cosine * q + 1.0;
-    const bool swap = (angle_bits[k] & 1U) != 0;
-    const double x = radius * (swap ? sine : cosine);
-    const double y = radius * (swap ? cosine : sine);
-    normals[k] = asDouble(asBits(x) ^ ((angle_bits[k] & 2U) << 62));
-    normals[k + kLanes] = asDouble(asBits(y) ^ ((angle_bits[k] & 4U) << 61));
+void drawNormals(std::uint32_t* state, float* normals, std::size_t count) {
+  for (std::size_t j = 0; j < count; j += 2 * kLanes) {
+    std::uint32_t radius_bits[kLanes];
+    std::uint32_t angle_bits[kLanes];
+    draw(state, radius_bits);
+    draw(state, angle_bits);
+    float* const xs = normals + j;
+    float* const ys = xs + kLanes;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float radius = std::sqrt(minusTwiceLog(radius_bits[k]));
+      // An angle within 45 degrees of the x axis; the low bits then swap and mirror it all around.
+      const std::uint32_t bits = angle_bits[k];
+      const float v =
+          static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24F - (0.5F - 0x1p-25F);
+      const float w = 1.5707963268F * v;
+      const float q = w * w;
+      float sine = -1.9515295891e-4F;
+      sine = sine * q + 8.3321608736e-3F;
+      sine = sine * q - 1.6666654611e-1F;
+      sine = sine * q * w + w;
+      float cosine = 2.443315711809948e-5F;
+      cosine = cosine * q - 1.388731625493765e-3F;
+      cosine = cosine * q + 4.166664568298827e-2F;
+      cosine = cosine * q - 0.5F;
+      cosine = cosine * q + 1.0F;
+      const std::uint32_t swap = 0U - (bits & 1U);
+      const std::uint32_t s = asBits(sine);
+      const std::uint32_t c = asBits(cosine);
+      const std::uint32_t differing = (s ^ c) & swap;
+      xs[k] = radius * asFloat((c ^ differing) ^ ((bits & 2U) << 30));
+      ys[k] = radius * asFloat((s ^ differing) ^ ((bits & 4U) << 29));
+    }
   }
+}
+
+RING_GYRO_VECTOR_CLONES
+void addScaled(const float* normals, double sigma, std::size_t count, double* samples) {
+  for (std::size_t k = 0; k < count; ++k) samples[k] += sigma * static_cast<double>(normals[k]);
 }
 
 // Fills the states from one seed, as the authors of xoshiro advise (splitmix64).
@@ -119,26 +124,25 @@ std::uint64_t splitMix(std::uint64_t& state) {
 }  // namespace
 
 NormalSource::NormalSource(std::uint64_t seed) {
-  for (std::uint64_t& word : state_) word = splitMix(seed);
+  for (std::uint32_t& word : state_) word = static_cast<std::uint32_t>(splitMix(seed) >> 32);
+}
+
+void NormalSource::refill() {
+  drawNormals(state_.data(), batch_.data(), kBatch);
+  used_ = 0;
 }
 
 double NormalSource::next() {
-  if (used_ == kBatch) {
-    drawNormals(state_.data(), batch_.data());
-    used_ = 0;
-  }
-  return batch_[used_++];
+  if (used_ == kBatch) refill();
+  return static_cast<double>(batch_[used_++]);
 }
 
 void NormalSource::addTo(double* samples, std::size_t count, double sigma) {
   std::size_t done = 0;
   while (done < count) {
-    if (used_ == kBatch) {
-      drawNormals(state_.data(), batch_.data());
-      used_ = 0;
-    }
+    if (used_ == kBatch) refill();
     const std::size_t run = std::min(count - done, kBatch - used_);
-    for (std::size_t k = 0; k < run; ++k) samples[done + k] += sigma * batch_[used_ + k];
+    addScaled(batch_.data() + used_, sigma, run, samples + done);
     done += run;
     used_ += run;
   }

@@ -1,11 +1,11 @@
 #include "ring_gyro/resonator/plant_simulator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
 
+#include "ring_gyro/common/aligned_vector.h"
 #include "ring_gyro/common/vector_kernels.h"
 #include "ring_gyro/resonator/converter.h"
 #include "ring_gyro/resonator/normal_source.h"
@@ -17,8 +17,10 @@ namespace {
 
 using Complex = std::complex<double>;
 
-Eigen::Vector2cd delayed(const Eigen::Vector2cd& envelope, const Eigen::Vector2d& delays) {
-  return {envelope[0] * std::polar(1.0, -delays[0]), envelope[1] * std::polar(1.0, -delays[1])};
+// e^{-i delay} of both axes.
+Eigen::Vector2cd delayPhasors(const AxisErrors& axes) {
+  const Eigen::Vector2d delays = axes.phaseDelays();
+  return {std::polar(1.0, -delays[0]), std::polar(1.0, -delays[1])};
 }
 
 PlantParameters withTuning(PlantParameters parameters) {
@@ -47,13 +49,14 @@ class PlantSimulator::Implementation {
         noise_(seed),
         adc_(parameters.sense.adc_bits, parameters.sense.adc_range),
         dac_(parameters.drive.dac_bits, parameters.drive.dac_range),
+        sense_alignment_(parameters.sense.axes.alignmentMatrix()),
+        sense_scale_(Eigen::Vector2d(parameters.sense.axes.gain_x, parameters.sense.axes.gain_y)
+                         .asDiagonal()),
         drive_gain_(parameters.drive.axes.gainMatrix()),
-        samples_(converter.block_samples),
-        displacement_(static_cast<Eigen::Index>(
-                          paddedToLanes(static_cast<std::size_t>(converter.block_samples))),
-                      2),
-        seen_(displacement_.rows(), 2),
-        volts_(displacement_.rows(), 2) {
+        sense_delay_(delayPhasors(parameters.sense.axes)),
+        drive_delay_(delayPhasors(parameters.drive.axes)),
+        samples_(static_cast<std::size_t>(converter.block_samples)),
+        padded_(paddedToLanes(samples_)) {
     if (parameters.drive.dac_bits > 0 && !parameters.drive.zero_order_hold) {
       throw std::invalid_argument("drive: dac_bits = " + std::to_string(parameters.drive.dac_bits) +
                                   " needs a held drive; set zero_order_hold: true, or dac_bits: 0");
@@ -66,28 +69,28 @@ class PlantSimulator::Implementation {
     block_.stamp.duration_ns = converter.blockDurationNanoseconds();
     block_.stamp.end_ns = start_ns;
     start_ns_ = start_ns;
-    block_.x.resize(static_cast<std::size_t>(samples_));
-    block_.y.resize(static_cast<std::size_t>(samples_));
+    block_.x.resize(samples_);
+    block_.y.resize(samples_);
 
     const double w0 = parameters_.resonator.angularFrequency();
     const double h = converter.samplePeriod();
-    const Eigen::Index rows = displacement_.rows();
-    displacement_.setZero();
-    seen_.setZero();
-    volts_.setZero();
-    cosine_.resize(rows);
-    sine_.resize(rows);
-    share_.resize(rows);
-    for (Eigen::Index j = 0; j < rows; ++j) {
+    x_.resize(padded_);
+    y_.resize(padded_);
+    drive_x_.resize(padded_);
+    drive_y_.resize(padded_);
+    for (std::size_t j = 0; j < padded_; ++j) {
       const double turn = w0 * h * static_cast<double>(j);
-      cosine_[j] = std::cos(turn);
-      sine_[j] = std::sin(turn);
-      share_[j] = static_cast<double>(j) / static_cast<double>(samples_);
+      cosine_.push_back(std::cos(turn));
+      sine_.push_back(std::sin(turn));
+      share_.push_back(static_cast<double>(j) / static_cast<double>(samples_));
     }
     sample_sigma_ = std::sqrt(0.5 * converter.sample_rate);
     const bool hold = parameters.drive.zero_order_hold;
     const double drive_density = hold ? 0.0 : parameters.drive.noise_density;
     force_density_ = std::hypot(parameters.resonator.thermal_noise_density, drive_density);
+    const double decay = 2.0 * parameters_.resonator.decayRate();
+    const double effective = -std::expm1(-decay * block_.stamp.duration()) / decay;
+    velocity_kick_ = 0.5 * resonator_.driveGain() * force_density_ * std::sqrt(effective);
   }
 
   const DisplacementBlock& step(const DriveCommand& command) {
@@ -103,7 +106,8 @@ class PlantSimulator::Implementation {
   }
 
   const DisplacementBlock& coast() {
-    command_.reference_phase = end_phase_;
+    command_.reference_phase =
+        wrapToPi(command_.reference_phase + command_.reference_frequency * block_.stamp.duration());
     return advance();
   }
 
@@ -118,9 +122,7 @@ class PlantSimulator::Implementation {
     const ResonatorParameters& p = parameters_.resonator;
     PlantTruth truth;
     truth.stamp = block_.stamp;
-    truth.envelope =
-        resonator_.analyticDisplacement(force_, end_phase_, command_.reference_frequency) *
-        std::polar(1.0, -end_phase_);
+    truth.envelope = resonator_.analyticDisplacement(forced_, end_turn_) * std::conj(end_turn_);
     truth.rotation_rate = rotation_rate_;
     truth.rotation_angle = rotation_.meanRate(0.0, time()) * time() + commanded_angle_;
     const double temperature = p.temperature_rate * time();
@@ -154,20 +156,23 @@ class PlantSimulator::Implementation {
     block_.drive_answers_sequence = command_.answers_sequence;
     block_.reference_phase = command_.reference_phase;
     block_.reference_frequency = command_.reference_frequency;
-    end_phase_ =
-        std::remainder(command_.reference_phase + command_.reference_frequency * duration, kTwoPi);
 
     force_ = realisedDrive();
+    forced_ = resonator_.steadyMotion(force_, command_.reference_frequency);
     const bool held = parameters_.drive.zero_order_hold;
     if (held) holdDrive();
-    if (!sampled_.isLinear() || !rotation_.isConstant(begin, begin + duration)) {
-      integrateSamples(begin, profile_rate);
-    } else if (held) {
-      moveHeld();
-    } else {
+    const bool linear = sampled_.isLinear() && rotation_.isConstant(begin, begin + duration);
+    if (linear && !held) {
       moveBlock(duration);
+    } else {
+      if (linear) {
+        moveHeld();
+      } else {
+        integrateSamples(begin, profile_rate);
+      }
+      end_turn_ = std::polar(1.0, phaseAt(samples_));
     }
-    kickByNoise(duration);
+    kickByNoise();
     sense();
     return block_;
   }
@@ -180,7 +185,7 @@ class PlantSimulator::Implementation {
     if (p.cubic != 0.0) {
       for (Complex& axis : envelope) axis *= 1.0 + 0.75 * p.cubic * std::norm(axis);
     }
-    const Eigen::Vector2cd volts = delayed(envelope, p.axes.phaseDelays());
+    const Eigen::Vector2cd volts = envelope.cwiseProduct(drive_delay_);
     DriveForce force = Eigen::Vector2cd(drive_gain_.cast<Complex>() * volts);
     if (p.bias_voltage > 0.0) {
       // Re[F e^{i psi}]^2 = (|F|^2 + Re[F^2 e^{2 i psi}]) / 2.
@@ -192,43 +197,48 @@ class PlantSimulator::Implementation {
   }
 
   void moveBlock(double duration) {
-    const BlockMotion& motion = resonator_.propagate(force_, command_.reference_phase,
-                                                     command_.reference_frequency, duration);
-    const Eigen::Vector2d delays = parameters_.sense.axes.phaseDelays();
+    const BlockMotion& motion = resonator_.propagate(forced_, command_.reference_phase, duration);
+    end_turn_ = motion.end_turn;
+    const PhasorSeries series = delayed(motion.series);
+    samplePhasorSeries(series, share_.data(), cosine_.data(), sine_.data(), padded_, x_.data(),
+                       y_.data());
+    if (forced_.harmonic) return;
+    // What the phase delay, cos(delay) u - sin(delay) u' / w0, makes of the rest.
     const double twice = motion.second_frequency / parameters_.resonator.angularFrequency();
     for (int axis = 0; axis < 2; ++axis) {
-      const Complex delay = std::polar(1.0, -delays[axis]);
-      std::array<double, BlockMotion::kMaxTerms> real;
-      std::array<double, BlockMotion::kMaxTerms> imaginary;
-      for (int k = 0; k < motion.terms; ++k) {
-        const Complex coefficient = motion.coefficients[k][axis] * delay;
-        real[k] = coefficient.real();
-        imaginary[k] = coefficient.imag();
-      }
-      double* samples = displacement_.col(axis).data();
-      samplePhasorSeries(real.data(), imaginary.data(), motion.terms, share_.data(), cosine_.data(),
-                         sine_.data(), padded(), samples);
-      if (force_.harmonic()) continue;
-      // What the phase delay, cos(delay) u - sin(delay) u' / w0, makes of them.
-      displacement_.col(axis) += delay.real() * motion.constant[axis];
+      const Complex delay = sense_delay_[axis];
+      AlignedVector& samples = axis == 0 ? x_ : y_;
+      for (double& sample : samples) sample += delay.real() * motion.constant[axis];
       const Complex second = motion.second[axis] * Complex(delay.real(), delay.imag() * twice);
       addPhasor(second.real(), second.imag(), motion.second_frequency * converter_.samplePeriod(),
-                padded(), samples);
+                padded_, samples.data());
     }
+  }
+
+  PhasorSeries delayed(const PhasorSeries& series) const {
+    PhasorSeries result;
+    result.terms = series.terms;
+    for (int k = 0; k < series.terms; ++k) {
+      const Complex x = Complex(series.x_real[k], series.x_imaginary[k]) * sense_delay_[0];
+      const Complex y = Complex(series.y_real[k], series.y_imaginary[k]) * sense_delay_[1];
+      result.x_real[k] = x.real();
+      result.x_imaginary[k] = x.imag();
+      result.y_real[k] = y.real();
+      result.y_imaginary[k] = y.imag();
+    }
+    return result;
   }
 
   void moveHeld() {
     sampled_.setLinear(resonator_);
     Eigen::Vector4d state = resonator_.state();
-    sampled_.moveHeld(state, volts_.col(0).data(), volts_.col(1).data(),
-                      static_cast<std::size_t>(samples_), parameters_.sense.axes.phaseDelays(),
-                      displacement_.col(0).data(), displacement_.col(1).data());
+    sampled_.moveHeld(state, drive_x_.data(), drive_y_.data(), samples_,
+                      parameters_.sense.axes.phaseDelays(), x_.data(), y_.data());
     resonator_.setState(state);
   }
 
   void integrateSamples(double begin, double profile_rate) {
     sampled_.setLinear(resonator_);
-    const Eigen::Vector2d delays = parameters_.sense.axes.phaseDelays();
     const double w0 = parameters_.resonator.angularFrequency();
     const double h = converter_.samplePeriod();
     const auto extra_rate = [&](double t) { return rotation_.rate(t) - profile_rate; };
@@ -236,22 +246,20 @@ class PlantSimulator::Implementation {
     SampleDrive drive;
     drive.held = parameters_.drive.zero_order_hold;
     drive.force = force_;
-    drive.forced = resonator_.steadyMotion(force_, command_.reference_frequency);
-    for (Eigen::Index j = 0; j < samples_; ++j) {
+    drive.forced = forced_;
+    for (std::size_t j = 0; j < samples_; ++j) {
       const double offset = h * static_cast<double>(j);
       drive.phase = phaseAt(j);
       drive.next_phase = phaseAt(j + 1);
-      if (drive.held) drive.value = volts_.row(j).matrix().transpose();
-      for (int axis = 0; axis < 2; ++axis) {
-        displacement_(j, axis) =
-            std::cos(delays[axis]) * state[axis] - std::sin(delays[axis]) * state[axis + 2] / w0;
-      }
+      if (drive.held) drive.value = {drive_x_[j], drive_y_[j]};
+      x_[j] = sense_delay_[0].real() * state[0] + sense_delay_[0].imag() * state[2] / w0;
+      y_[j] = sense_delay_[1].real() * state[1] + sense_delay_[1].imag() * state[3] / w0;
       state = sampled_.step(state, drive, begin + offset, extra_rate);
     }
     resonator_.setState(state);
   }
 
-  double phaseAt(Eigen::Index sample) const {
+  double phaseAt(std::size_t sample) const {
     return command_.reference_phase +
            command_.reference_frequency * converter_.samplePeriod() * static_cast<double>(sample);
   }
@@ -259,34 +267,30 @@ class PlantSimulator::Implementation {
   // The converter's volts over the block as they reach the axes of the ring.
   void holdDrive() {
     const DriveParameters& p = parameters_.drive;
-    const Eigen::Vector2cd start = delayed(command_.envelope, p.axes.phaseDelays()) *
-                                   std::polar(1.0, command_.reference_phase);
+    const Eigen::Vector2cd start =
+        command_.envelope.cwiseProduct(drive_delay_) * std::polar(1.0, command_.reference_phase);
     const double step = command_.reference_frequency * converter_.samplePeriod();
-    volts_.setZero();
     for (int axis = 0; axis < 2; ++axis) {
-      double* volts = volts_.col(axis).data();
-      addPhasor(start[axis].real(), start[axis].imag(), step, padded(), volts);
-      dac_.convert(volts, padded());
+      AlignedVector& volts = axis == 0 ? drive_x_ : drive_y_;
+      std::fill(volts.begin(), volts.end(), 0.0);
+      addPhasor(start[axis].real(), start[axis].imag(), step, padded_, volts.data());
+      dac_.convert(volts.data(), padded_);
       if (p.noise_density > 0.0) {
-        noise_.addTo(volts, static_cast<std::size_t>(samples_), p.noise_density * sample_sigma_);
+        noise_.addTo(volts.data(), samples_, p.noise_density * sample_sigma_);
       }
     }
-    if (p.cubic != 0.0) volts_ += p.cubic * volts_.cube();
-    if (p.bias_voltage > 0.0) volts_ += (0.5 / p.bias_voltage) * volts_.square();
-    if (drive_gain_.isIdentity(0.0)) return;
-    for (Eigen::Index j = 0; j < samples_; ++j) {
-      const Eigen::Vector2d force = drive_gain_ * volts_.row(j).matrix().transpose();
-      volts_.row(j) = force.transpose().array();
+    const double square = p.bias_voltage > 0.0 ? 0.5 / p.bias_voltage : 0.0;
+    if (p.cubic != 0.0 || square != 0.0 || !drive_gain_.isIdentity(0.0)) {
+      applyAxisErrors({p.cubic, square, drive_gain_.data()}, padded_, drive_x_.data(),
+                      drive_y_.data());
     }
   }
 
   // White force over a block, spread by the vibration over displacement and velocity, less what the
   // damping takes of it until the block's end.
-  void kickByNoise(double duration) {
+  void kickByNoise() {
     if (force_density_ == 0.0) return;
-    const double decay = 2.0 * parameters_.resonator.decayRate();
-    const double effective = -std::expm1(-decay * duration) / decay;
-    const double velocity = 0.5 * resonator_.driveGain() * force_density_ * std::sqrt(effective);
+    const double velocity = velocity_kick_;
     const double displacement = velocity / parameters_.resonator.angularFrequency();
     resonator_.addToState({displacement * noise_.next(), displacement * noise_.next(),
                            velocity * noise_.next(), velocity * noise_.next()});
@@ -294,37 +298,37 @@ class PlantSimulator::Implementation {
 
   void sense() {
     const SenseParameters& p = parameters_.sense;
-    const auto first = displacement_.col(0);
-    const auto second = displacement_.col(1);
-    seen_.col(0) = first;
-    seen_.col(1) = std::sin(p.axes.misalignment) * first + std::cos(p.axes.misalignment) * second;
+    if (p.axes.misalignment != 0.0) {
+      applyAxisErrors({0.0, 0.0, sense_alignment_.data()}, padded_, x_.data(), y_.data());
+    }
     // The gap of an electrode is that in its own direction.
-    if (p.cubic != 0.0) seen_ += p.cubic * seen_.cube();
-    seen_.col(0) *= p.axes.gain_x;
-    seen_.col(1) *= p.axes.gain_y;
+    if (p.cubic != 0.0 || !sense_scale_.isIdentity(0.0)) {
+      applyAxisErrors({p.cubic, 0.0, sense_scale_.data()}, padded_, x_.data(), y_.data());
+    }
     if (p.feedthrough != 0.0) addFeedthrough();
-    const auto samples = static_cast<std::size_t>(samples_);
+    if (p.noise_density > 0.0) {
+      noise_.addTo(x_.data(), samples_, p.noise_density * sample_sigma_);
+      noise_.addTo(y_.data(), samples_, p.noise_density * sample_sigma_);
+    }
     std::size_t saturated = 0;
-    for (int axis = 0; axis < 2; ++axis) {
-      double* values = seen_.col(axis).data();
-      if (p.noise_density > 0.0) noise_.addTo(values, samples, p.noise_density * sample_sigma_);
-      std::fill(values + samples, values + padded(), 0.0);  // behind the block nothing saturates
-      saturated += adc_.convert(values, padded());
-      std::copy(values, values + samples, (axis == 0 ? block_.x : block_.y).begin());
+    if (!adc_.ideal()) {
+      // Behind the block nothing saturates.
+      std::fill(x_.data() + samples_, x_.data() + padded_, 0.0);
+      std::fill(y_.data() + samples_, y_.data() + padded_, 0.0);
+      saturated = adc_.convert(x_.data(), padded_) + adc_.convert(y_.data(), padded_);
     }
     block_.saturated_samples = static_cast<std::uint32_t>(saturated);
+    std::copy_n(x_.data(), samples_, block_.x.data());
+    std::copy_n(y_.data(), samples_, block_.y.data());
   }
 
   void addFeedthrough() {
     const Eigen::Vector2cd leak = parameters_.sense.feedthrough * command_.envelope *
                                   std::polar(1.0, command_.reference_phase);
     const double step = command_.reference_frequency * converter_.samplePeriod();
-    for (int axis = 0; axis < 2; ++axis) {
-      addPhasor(leak[axis].real(), leak[axis].imag(), step, padded(), seen_.col(axis).data());
-    }
+    addPhasor(leak[0].real(), leak[0].imag(), step, padded_, x_.data());
+    addPhasor(leak[1].real(), leak[1].imag(), step, padded_, y_.data());
   }
-
-  std::size_t padded() const { return static_cast<std::size_t>(displacement_.rows()); }
 
   PlantParameters parameters_;
   ConverterParameters converter_;
@@ -334,21 +338,29 @@ class PlantSimulator::Implementation {
   NormalSource noise_;
   Converter adc_;
   Converter dac_;
+  Eigen::Matrix2d sense_alignment_;
+  Eigen::Matrix2d sense_scale_;
   Eigen::Matrix2d drive_gain_;
-  Eigen::Index samples_;
-  Eigen::Array<double, Eigen::Dynamic, 2> displacement_;
-  Eigen::Array<double, Eigen::Dynamic, 2> seen_;   // by the electronics
-  Eigen::Array<double, Eigen::Dynamic, 2> volts_;  // of a held drive
-  Eigen::ArrayXd cosine_;                          // of w0 at the sample times of a block
-  Eigen::ArrayXd sine_;
-  Eigen::ArrayXd share_;        // of the block at the sample times
+  Eigen::Vector2cd sense_delay_;
+  Eigen::Vector2cd drive_delay_;
+  std::size_t samples_;  // of a block
+  std::size_t padded_;   // to whole lanes
+  AlignedVector x_;      // displacements, then what the electronics make of them
+  AlignedVector y_;
+  AlignedVector drive_x_;  // held
+  AlignedVector drive_y_;
+  AlignedVector cosine_;  // of w0 at the sample times of a block
+  AlignedVector sine_;
+  AlignedVector share_;         // of the block at the sample times
   double sample_sigma_ = 0.0;   // of white noise with one-sided density 1, per sample
   double force_density_ = 0.0;  // of force noise, as drive [V/sqrt(Hz)]
+  double velocity_kick_ = 0.0;  // of it over a block, each quadrature [V/s]
   std::int64_t start_ns_ = 0;
   bool begun_ = false;
   DriveCommand command_;
   DriveForce force_;
-  double end_phase_ = 0.0;
+  ForcedMotion forced_;
+  Complex end_turn_{1.0, 0.0};  // e^{i psi} of the NCO at the end of the block
   double rotation_rate_ = 0.0;
   double commanded_rate_ = 0.0;
   double commanded_angle_ = 0.0;

@@ -23,7 +23,12 @@ void RotationParameters::declare(ParameterTable& table) {
 }
 
 RotationProfile::RotationProfile(const RotationParameters& parameters) : parameters_(parameters) {
-  if (parameters_.profile != "file") return;
+  const std::string& profile = parameters_.profile;
+  shape_ = profile == "constant" ? Shape::kConstant
+           : profile == "step"   ? Shape::kStep
+           : profile == "sine"   ? Shape::kSine
+                                 : Shape::kFile;
+  if (shape_ != Shape::kFile) return;
   std::ifstream in(parameters_.file);
   if (!in) {
     throw std::invalid_argument("rotation: file '" + parameters_.file +
@@ -58,9 +63,9 @@ RotationProfile::RotationProfile(const RotationParameters& parameters) : paramet
 
 double RotationProfile::rate(double time) const {
   const RotationParameters& p = parameters_;
-  if (p.profile == "constant") return p.rate;
-  if (p.profile == "step") return time < p.step_time ? 0.0 : p.rate;
-  if (p.profile == "sine") return p.rate + p.amplitude * std::sin(kTwoPi * p.frequency * time);
+  if (shape_ == Shape::kConstant) return p.rate;
+  if (shape_ == Shape::kStep) return time < p.step_time ? 0.0 : p.rate;
+  if (shape_ == Shape::kSine) return p.rate + p.amplitude * std::sin(kTwoPi * p.frequency * time);
   if (time <= times_.front()) return rates_.front();
   if (time >= times_.back()) return rates_.back();
   const auto after = std::upper_bound(times_.begin(), times_.end(), time) - times_.begin();
@@ -70,9 +75,9 @@ double RotationProfile::rate(double time) const {
 
 double RotationProfile::angle(double time) const {
   const RotationParameters& p = parameters_;
-  if (p.profile == "constant") return p.rate * time;
-  if (p.profile == "step") return p.rate * std::max(0.0, time - p.step_time);
-  if (p.profile == "sine") {
+  if (shape_ == Shape::kConstant) return p.rate * time;
+  if (shape_ == Shape::kStep) return p.rate * std::max(0.0, time - p.step_time);
+  if (shape_ == Shape::kSine) {
     const double w = kTwoPi * p.frequency;
     const double half = std::sin(0.5 * w * time);
     const double swing = w > 0.0 ? 2.0 * half * half / w : 0.0;
@@ -85,15 +90,15 @@ double RotationProfile::angle(double time) const {
 }
 
 double RotationProfile::meanRate(double begin, double end) const {
-  if (parameters_.profile == "constant") return parameters_.rate;
+  if (shape_ == Shape::kConstant) return parameters_.rate;
   return (angle(end) - angle(begin)) / (end - begin);
 }
 
 bool RotationProfile::isConstant(double begin, double end) const {
   const RotationParameters& p = parameters_;
-  if (p.profile == "constant") return true;
-  if (p.profile == "step") return end <= p.step_time || begin >= p.step_time;
-  if (p.profile == "sine") return p.amplitude == 0.0 || p.frequency == 0.0;
+  if (shape_ == Shape::kConstant) return true;
+  if (shape_ == Shape::kStep) return end <= p.step_time || begin >= p.step_time;
+  if (shape_ == Shape::kSine) return p.amplitude == 0.0 || p.frequency == 0.0;
   return end <= times_.front() || begin >= times_.back();
 }
 

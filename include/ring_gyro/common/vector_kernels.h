@@ -14,17 +14,41 @@ constexpr std::size_t paddedToLanes(std::size_t count) {
   return (count + kKernelLanes - 1) / kKernelLanes * kKernelLanes;
 }
 
-/// out[j] = Re[(cosine[j] + i sine[j]) sum_k (real[k] + i imaginary[k]) share[j]^k].
-void samplePhasorSeries(const double* real, const double* imaginary, int terms, const double* share,
-                        const double* cosine, const double* sine, std::size_t count, double* out);
+/// Coefficients of two complex series in the share of a block.
+struct PhasorSeries {
+  static constexpr int kMaxTerms = 24;
+  int terms = 0;
+  double x_real[kMaxTerms];
+  double x_imaginary[kMaxTerms];
+  double y_real[kMaxTerms];
+  double y_imaginary[kMaxTerms];
+};
 
-/// mixed_x_real[j] + i mixed_x_imaginary[j] = x[j] e^{-i (phase + step j)}, and the same of y.
+/// x[j] = Re[(cosine[j] + i sine[j]) sum_k (x_real[k] + i x_imaginary[k]) share[j]^k], and y[j]
+/// alike.
+void samplePhasorSeries(const PhasorSeries& series, const double* share, const double* cosine,
+                        const double* sine, std::size_t count, double* x, double* y);
+
+/// Mixes both axes down, mixed_x_real[j] + i mixed_x_imaginary[j] = x[j] e^{-i (phase + step j)}
+/// and the same of y, and gives the sums of weights[j] times each of the four. Any `count`. What is
+/// mixed is written from the lanes of sample `kept_from` on, in whole lanes, zero behind the last
+/// sample; `weights` has to reach that far.
 void mixDown(const double* x, const double* y, double phase, double step, std::size_t count,
-             double* mixed_x_real, double* mixed_x_imaginary, double* mixed_y_real,
-             double* mixed_y_imaginary);
+             const double* weights, std::size_t kept_from, double* mixed_x_real,
+             double* mixed_x_imaginary, double* mixed_y_real, double* mixed_y_imaginary,
+             double* sums);
 
 /// out[j] += Re[(real + i imaginary) e^{i step j}].
 void addPhasor(double real, double imaginary, double step, std::size_t count, double* out);
+
+/// What two axes make of their signals: v + square v^2 of v = u + cubic u^3, then the 2x2 gain (by
+/// columns).
+struct AxisErrorKernel {
+  double cubic;
+  double square;
+  const double* gain;
+};
+void applyAxisErrors(const AxisErrorKernel& errors, std::size_t count, double* x, double* y);
 
 /// Rounds each value to the nearest multiple of `step`, within [lowest, highest]; gives the number
 /// of values that lay beyond.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "ring_gyro/common/aligned_vector.h"
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/resonator/displacement_block.h"
@@ -51,11 +52,10 @@ class Demodulator {
   ConverterParameters converter_;
   std::vector<double> taps_;
   std::size_t samples_;          // of a block
-  std::size_t history_;          // mixed samples kept, as many as there are weights
-  std::vector<double> weights_;  // taps, zeros before them
-  std::vector<double> x_;        // a block, padded to whole lanes
-  std::vector<double> y_;
-  std::array<std::vector<double>, 4> mixed_;  // Re X, Im X, Re Y, Im Y of the last sample times
+  std::size_t earlier_;          // mixed samples kept of earlier blocks, whole lanes
+  AlignedVector weights_;        // taps, zeros before and behind them
+  // Re X, Im X, Re Y, Im Y: of the earlier samples, then of those of the block that are kept.
+  std::array<AlignedVector, 4> mixed_;
 };
 
 }  // namespace ring_gyro

@@ -32,16 +32,21 @@ struct ForcedMotion {
   Eigen::Vector2cd fundamental = Eigen::Vector2cd::Zero();
   Eigen::Vector2d constant = Eigen::Vector2d::Zero();
   Eigen::Vector2cd second = Eigen::Vector2cd::Zero();
+  bool harmonic = true;  ///< the last two are zero
   double frequency = 0.0;
 
   /// Displacements and velocities [V, V, V/s, V/s] at a reference phase [rad].
-  Eigen::Vector4d at(double phase) const {
-    const std::complex<double> turn = std::polar(1.0, phase);
-    const std::complex<double> rate(0.0, frequency);
+  Eigen::Vector4d at(double phase) const { return atTurn(std::polar(1.0, phase)); }
+  /// The same for `turn` = e^{i phase}.
+  Eigen::Vector4d atTurn(const std::complex<double>& turn) const {
     const Eigen::Vector2cd first = fundamental * turn;
-    const Eigen::Vector2cd twice = second * (turn * turn);
     Eigen::Vector4d state;
-    state << constant + (first + twice).real(), (rate * (first + 2.0 * twice)).real();
+    state << first.real(), -frequency * first.imag();
+    if (!harmonic) {
+      const Eigen::Vector2cd twice = second * (turn * turn);
+      state.head<2>() += constant + twice.real();
+      state.tail<2>() -= 2.0 * frequency * twice.imag();
+    }
     return state;
   }
 };

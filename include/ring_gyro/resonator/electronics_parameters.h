@@ -15,7 +15,9 @@ struct AxisErrors {
   double phase_delay = 0.0;       ///< of both axes, at the resonance [rad]
   double phase_difference = 0.0;  ///< delay of y beyond that of x [rad]
 
-  /// Row per electrode axis: [[gx, 0], [gy sin(misalignment), gy cos(misalignment)]].
+  /// Row per electrode: its direction, [[1, 0], [sin(misalignment), cos(misalignment)]].
+  Eigen::Matrix2d alignmentMatrix() const;
+  /// The same times the gain of each electrode.
   Eigen::Matrix2d gainMatrix() const;
   /// Phase delays of x and y [rad].
   Eigen::Vector2d phaseDelays() const;

@@ -5,23 +5,23 @@
 #include <complex>
 #include <cstdint>
 
+#include "ring_gyro/common/vector_kernels.h"
 #include "ring_gyro/resonator/drive_force.h"
 #include "ring_gyro/resonator/resonator_parameters.h"
 
 namespace ring_gyro {
 
-/// A phasor-modulated signal pair over one block: sample at time s after the block start is
-/// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k + second e^{i w_2 s}] + constant, exact to
-/// rounding. The last two are the response to the drive's square; zero without it.
+/// A phasor-modulated signal pair over one block: the sample at time s after the block start is
+/// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k + second e^{i w_2 s}] + constant, to 1e-13
+/// of the motion. The last two are the response to the drive's square; zero without it.
 struct BlockMotion {
-  static constexpr int kMaxTerms = 24;
-  std::array<Eigen::Vector2cd, kMaxTerms> coefficients;
-  int terms = 0;
+  PhasorSeries series;               ///< coefficients of both axes [V]
   double reference_frequency = 0.0;  ///< w_ref [rad/s]
   double duration = 0.0;             ///< [s]
   Eigen::Vector2d constant = Eigen::Vector2d::Zero();
   Eigen::Vector2cd second = Eigen::Vector2cd::Zero();
   double second_frequency = 0.0;  ///< w_2, twice that of the drive [rad/s]
+  std::complex<double> end_turn;  ///< e^{i psi} of the drive's reference at the end
 };
 
 /// The two modes of the ring as a linear system, solved exactly between drive updates.
@@ -45,12 +45,16 @@ class RingResonator {
   /// Counts the changes of the conditions, from 1.
   std::uint64_t conditionChanges() const { return condition_changes_; }
 
-  /// Motion over the next `duration` [s] under the drive with the reference phase + w t; the state
-  /// moves to its end.
+  /// Motion over the next `duration` [s] under the drive whose steady motion is `forced`, from the
+  /// reference phase [rad] on; the state moves to its end.
   /// Throws std::domain_error when the drive is so far from the resonance (or the block so long)
   /// that the series does not converge.
+  const BlockMotion& propagate(const ForcedMotion& forced, double phase, double duration);
+  /// The same under the drive at `frequency` [rad/s].
   const BlockMotion& propagate(const DriveForce& drive, double phase, double frequency,
-                               double duration);
+                               double duration) {
+    return propagate(steadyMotion(drive, frequency), phase, duration);
+  }
 
   /// Complex displacement whose real part is the state's displacement: the free vibration with
   /// velocity and displacement of `state` (used for the true orbital elements).
@@ -63,8 +67,9 @@ class RingResonator {
 
   /// Complex displacement at the present state, split into free and forced motion: the slow
   /// envelope times e^{i psi}, free of 2 w ripple and of the response to the drive's square.
-  Eigen::Vector2cd analyticDisplacement(const DriveForce& drive, double phase,
-                                        double frequency) const;
+  /// `turn`: e^{i psi} at the state.
+  Eigen::Vector2cd analyticDisplacement(const ForcedMotion& forced,
+                                        const std::complex<double>& turn) const;
 
   /// Matrix e^{A t} that moves the undriven state by a time t [s] of a few samples.
   Eigen::Matrix4d flow(double time) const;
@@ -76,6 +81,8 @@ class RingResonator {
 
  private:
   void solveSolvent();
+  Eigen::Vector2cd expand(const Eigen::Vector2cd& free, const Eigen::Vector2cd& forced,
+                          double drift);
 
   ResonatorParameters parameters_;
   double drive_gain_;
@@ -88,6 +95,8 @@ class RingResonator {
   Eigen::Matrix2cd slow_;              // S - i w0
   Eigen::Matrix2d inverse_imaginary_;  // Im(S)^-1
   Eigen::Vector4d state_ = Eigen::Vector4d::Zero();
+  double turned_duration_ = 0.0;  // of the block that ends with turn_ [s]
+  std::complex<double> turn_;     // e^{i w0 duration} of the frame
   BlockMotion motion_;
 };
 

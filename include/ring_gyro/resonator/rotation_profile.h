@@ -31,9 +31,12 @@ class RotationProfile {
   bool isConstant(double begin, double end) const;
 
  private:
+  enum class Shape { kConstant, kStep, kSine, kFile };
+
   double angle(double time) const;  // integral of the rate from 0
 
   RotationParameters parameters_;
+  Shape shape_;
   std::vector<double> times_;
   std::vector<double> rates_;
   std::vector<double> angles_;
