@@ -14,6 +14,7 @@
 #include "reference_solution.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/simulation/closed_loop.h"
+#include "ring_gyro/simulation/monte_carlo.h"
 
 namespace ring_gyro {
 namespace {
@@ -249,6 +250,22 @@ void oldAgainstYoung(benchmark::State& state, const std::string& configuration_f
   timeInTurns(
       state, threadTime, kBlocksATurn, [&] { run(old, 1e-3 * kBlocksATurn); }, kBlocksATurn,
       [&] { run(young, 1e-3 * kBlocksATurn); });
+}
+
+void twoCoresAgainstOne(benchmark::State& state, const std::string& configuration_file) {
+  constexpr std::uint64_t kItems = 32;
+  MonteCarlo batch;
+  batch.configuration = configurationOf(configuration_file, 0.1, true);
+  batch.configuration.run.duration = 4.0;
+  MonteCarloRange range;
+  range.count = kItems;
+  const auto run = [&](unsigned threads) {
+    runMonteCarlo(batch, range.indices(), threads, [](const MonteCarloItem& item) {
+      if (!item.refused.empty()) throw std::runtime_error(item.refused);
+    });
+  };
+  timeInTurns(
+      state, wallTime, kItems, [&] { run(2); }, kItems, [&] { run(1); });
 }
 
 }  // namespace ring_gyro
