@@ -48,6 +48,9 @@ int main(int argc, char** argv) {
         oldAgainstYoung(state, file, quick ? 600.0 : 10800.0);
       },
       quick ? 50 : 400);
+  add(
+      "monte_carlo", [&file](benchmark::State& state) { twoCoresAgainstOne(state, file); },
+      quick ? 5 : 15);
   benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

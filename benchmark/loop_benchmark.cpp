@@ -14,6 +14,7 @@
 #include "reference_solution.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/simulation/closed_loop.h"
+#include "ring_gyro/simulation/monte_carlo.h"
 
 namespace ring_gyro {
 namespace {
@@ -66,7 +67,8 @@ class OdePlant {
     const Real temperature = Real(p.temperature_rate) * begin;
     w0_ = Real(kTwoPi) * p.natural_frequency *
           (1 + Real(p.frequency_temperature_coefficient) * temperature);
-    damping_ = w0_ / (p.quality_factor * (1 + Real(p.quality_temperature_coefficient) * temperature));
+    damping_ =
+        w0_ / (p.quality_factor * (1 + Real(p.quality_temperature_coefficient) * temperature));
   }
   void operator()(const State& s, State& rate, Real t) const {
     const ResonatorParameters& p = plant_.resonator;
@@ -153,8 +155,9 @@ void plantAgainstOdeint(benchmark::State& state) {
   constexpr std::int64_t kStart = 1000000000;
   const auto begin = [](std::uint64_t sequence) { return 1e-3 * static_cast<double>(sequence); };
   const auto next = [](const DriveCommand& command) {
-    return drive(command.answers_sequence + 1,
-                 std::remainder(command.reference_phase + command.reference_frequency * 1e-3, kTwoPi));
+    return drive(
+        command.answers_sequence + 1,
+        std::remainder(command.reference_phase + command.reference_frequency * 1e-3, kTwoPi));
   };
 
   // Accuracy over the first second.
@@ -220,7 +223,9 @@ void loopAgainstPlain(benchmark::State& state, const std::string& configuration_
   constexpr int kPeerBlocks = 4;
   timeInTurns(
       state, threadTime, kBlocksATurn, [&] { run(ours, 1e-3 * kBlocksATurn); }, kPeerBlocks,
-      [&] { for (int n = 0; n < kPeerBlocks; ++n) benchmark::DoNotOptimize(peer.step()); });
+      [&] {
+        for (int n = 0; n < kPeerBlocks; ++n) benchmark::DoNotOptimize(peer.step());
+      });
   state.counters["speed"] = configuration.converter.blockDuration() / state.counters["ours"];
 }
 
@@ -245,6 +250,22 @@ void oldAgainstYoung(benchmark::State& state, const std::string& configuration_f
   timeInTurns(
       state, threadTime, kBlocksATurn, [&] { run(old, 1e-3 * kBlocksATurn); }, kBlocksATurn,
       [&] { run(young, 1e-3 * kBlocksATurn); });
+}
+
+void twoCoresAgainstOne(benchmark::State& state, const std::string& configuration_file) {
+  constexpr std::uint64_t kItems = 32;
+  MonteCarlo batch;
+  batch.configuration = configurationOf(configuration_file, 0.1, true);
+  batch.configuration.run.duration = 4.0;
+  MonteCarloRange range;
+  range.count = kItems;
+  const auto run = [&](unsigned threads) {
+    runMonteCarlo(batch, range.indices(), threads, [](const MonteCarloItem& item) {
+      if (!item.refused.empty()) throw std::runtime_error(item.refused);
+    });
+  };
+  timeInTurns(
+      state, wallTime, kItems, [&] { run(2); }, kItems, [&] { run(1); });
 }
 
 }  // namespace ring_gyro

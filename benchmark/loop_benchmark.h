@@ -23,4 +23,7 @@ void chainAgainstLoop(benchmark::State& state, const std::string& configuration_
 /// A loop that has run for `age` [s] against a young one; time per block.
 void oldAgainstYoung(benchmark::State& state, const std::string& configuration_file, double age);
 
+/// A batch of closed-loop runs on two threads against one, wall time per run.
+void twoCoresAgainstOne(benchmark::State& state, const std::string& configuration_file);
+
 }  // namespace ring_gyro

@@ -99,8 +99,8 @@ class PlainLoop {
       for (std::size_t k = 0; k < 4; ++k) filtered[k] += taps_[n] * mixed_[k][at];
     }
     using Complex = std::complex<double>;
-    orbit_ = orbitFromEnvelope(Eigen::Vector2cd(Complex(filtered[0], filtered[1]),
-                                                Complex(filtered[2], filtered[3])));
+    orbit_ = orbitFromEnvelope(
+        Eigen::Vector2cd(Complex(filtered[0], filtered[1]), Complex(filtered[2], filtered[3])));
     frequency_ = ring_.angularFrequency() + phase_loop_.update(orbit_.phi + 0.5 * kPi);
     const double force_per_rate = 2.0 * frequency_ / gain_;
     DriveGains gains;

@@ -27,7 +27,7 @@ RunRecord recordRun(const LoopConfiguration& configuration, double duration) {
     const LoopRecord now = loop.step();
     record.add(now.loops.elements);
     record.add(now.loops.gains);
-    record.add(now.truth);
+    record.add(now.truth());
     if (now.estimate) record.add(*now.estimate);
   }
   return record;

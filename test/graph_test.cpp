@@ -108,7 +108,7 @@ TEST(Graph, SendsWhatTheLoopInOneProcessComputes) {
     elements.expectNext(elements_message);
     toMessage(record.loops.gains, gains_message);
     gains.expectNext(gains_message);
-    toMessage(record.truth, truth_message);
+    toMessage(record.truth(), truth_message);
     truths.expectNext(truth_message);
     if (!record.estimate) continue;
     last = *record.estimate;

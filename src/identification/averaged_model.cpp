@@ -112,7 +112,8 @@ Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before, const Eigen::Vector2c
                            double reference_phase, double reference_frequency, double duration) {
   const Eigen::Vector2cd step = after - before;
   const std::complex<double> spread(0.0, 0.5 / (reference_frequency * duration));
-  return spread * (step - step.conjugate() * std::polar(1.0, -2.0 * reference_phase));
+  const SineCosine<1> turn = sineCosine<1>(Eigen::Array<double, 1, 1>(-2.0 * reference_phase));
+  return spread * (step - step.conjugate() * std::complex<double>(turn.cosine[0], turn.sine[0]));
 }
 
 AveragedModel::AveragedModel(double natural_frequency, double quality_factor)

@@ -154,8 +154,11 @@ std::optional<ParameterEstimate> Identifier::process(const OrbitalElements& elem
   } else if (complete_) {
     gather(stamp.sequence, stamp.duration(), first_of_period);
   }
-  if ((stamp.sequence + 1) % period_blocks != 0) return std::nullopt;
-  return finishPeriod(stamp, gains.compensation);
+  std::optional<ParameterEstimate> estimate;
+  if ((stamp.sequence + 1) % period_blocks == 0) {
+    finishPeriod(stamp, gains.compensation, estimate.emplace());
+  }
+  return estimate;
 }
 
 void Identifier::restart(const BlockStamp& stamp) {
@@ -242,6 +245,7 @@ void Identifier::gather(std::uint64_t sequence, double duration, bool first_of_p
   if (restarted) filter_.restartAxes(axes, 0.01 * now.orbit.a + 10.0 * sample_sigma_);
   if (first_of_period) {
     by_blocks_ =
+        period_blocks_ == 1 ||
         !filter_.isLinearOver(period_, static_cast<int>(period_blocks_), now.reference_frequency);
   }
   if (!restarted) {
@@ -294,9 +298,8 @@ void Identifier::breakChain() {
   chained_ = false;
 }
 
-ParameterEstimate Identifier::finishPeriod(const BlockStamp& stamp,
-                                           const DampingCompensation& compensation) {
-  ParameterEstimate estimate;
+void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation,
+                              ParameterEstimate& estimate) {
   bool used = false;
   if (complete_ && scaled_) {
     used = estimate.updated = true;
@@ -340,7 +343,6 @@ ParameterEstimate Identifier::finishPeriod(const BlockStamp& stamp,
     estimate.residual_gamma2 -= cancelled_by_gain * compensation.gain2;
   }
   estimate.converged = converged(estimate);
-  return estimate;
 }
 
 bool Identifier::setScale() {

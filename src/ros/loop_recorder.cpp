@@ -20,7 +20,7 @@ void LoopRecorder::write(const LoopRecord& record) {
     toMessage(record.loops.command, record.displacement.stamp, command_);
     write(topics::kDriveCommand, command_);
   }
-  toMessage(record.truth, truth_);
+  toMessage(record.truth(), truth_);
   write(topics::kPlantTruth, truth_);
   toMessage(record.loops.elements, elements_);
   write(topics::kOrbitalElements, elements_);

@@ -16,13 +16,14 @@ ClosedLoop::ClosedLoop(const LoopConfiguration& configuration)
 LoopRecord ClosedLoop::step() {
   const DisplacementBlock& block = started_ ? plant_.step(output_->command) : plant_.start();
   started_ = true;
-  truth_ = plant_.truth();
+  end_ns_ = block.stamp.end_ns;
 
   // The command that answers this block acts in the next one.
   const std::uint64_t acts_in = block.stamp.sequence + 1;
-  while (!pending_.empty() && pending_.front().effective_sequence <= acts_in) {
-    loops_.setCompensation(pending_.front().gains);
-    pending_.pop_front();
+  while (pending_count_ > 0 && pending_[first_pending_].effective_sequence <= acts_in) {
+    loops_.setCompensation(pending_[first_pending_].gains);
+    first_pending_ = 1 - first_pending_;
+    --pending_count_;
   }
   output_ = &loops_.process(block);
 
@@ -30,13 +31,13 @@ LoopRecord ClosedLoop::step() {
   decision_.reset();
   if (estimate_) {
     decision_ = injector_.decide(*estimate_);
-    if (compensation_) pending_.push_back(*decision_);
+    if (compensation_) pending_[(first_pending_ + pending_count_++) % 2] = *decision_;
   }
-  return {block, *output_, truth_, estimate_, decision_};
+  return {block, *output_, estimate_, decision_, plant_};
 }
 
 double ClosedLoop::time() const {
-  return started_ ? 1e-9 * static_cast<double>(truth_.stamp.end_ns - start_ns_) : 0.0;
+  return started_ ? 1e-9 * static_cast<double>(end_ns_ - start_ns_) : 0.0;
 }
 
 }  // namespace ring_gyro

@@ -191,15 +191,15 @@ class FactoredCovariance {
 
   Eigen::Matrix<double, kStates, kStates> matrix() const {
     Eigen::Matrix<double, kStates, kStates> result;
-    for (int k = 0; k < kStates; ++k) {
-      for (int i = 0; i <= k; ++i) {
-        double sum = 0.0;
-        for (int j = k; j < kStates; ++j) {
-          sum += upper_[place(i, j)] * (upper_[place(k, j)] * diagonal_[j]);
-        }
-        result(i, k) = result(k, i) = sum;
-      }
-    }
+    unrolled<0, kStates>([&](auto k) {
+      double weighted[kStates];
+      unrolled<k, kStates>([&](auto j) { weighted[j] = upper_[place(k, j)] * diagonal_[j]; });
+      unrolled<0, k + 1>([&](auto i) {
+        double sum = upper_[place(i, k)] * weighted[k];
+        unrolled<k + 1, kStates>([&](auto j) { sum += upper_[place(i, j)] * weighted[j]; });
+        result.coeffRef(i, k) = result.coeffRef(k, i) = sum;
+      });
+    });
     return result;
   }
 

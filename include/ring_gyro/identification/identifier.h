@@ -88,7 +88,8 @@ class Identifier {
   void gather(std::uint64_t sequence, double duration, bool first_of_period);
   void propagate(std::uint64_t sequence, double duration);
   void breakChain();
-  ParameterEstimate finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation);
+  void finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation,
+                    ParameterEstimate& estimate);
   bool setScale();
   bool converged(const ParameterEstimate& estimate) const;
 

@@ -1,7 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <optional>
 
 #include "ring_gyro/compensation/compensation_injector.h"
@@ -16,9 +17,12 @@ namespace ring_gyro {
 struct LoopRecord {
   const DisplacementBlock& displacement;
   const LoopOutput& loops;
-  const PlantTruth& truth;
   const std::optional<ParameterEstimate>& estimate;
   const std::optional<CompensationDecision>& decision;
+  const PlantSimulator& plant;
+
+  /// Worked out when asked for.
+  PlantTruth truth() const { return plant.truth(); }
 };
 
 /// The whole loop in one process: the classes that the nodes wrap, called in the order in which the
@@ -43,8 +47,11 @@ class ClosedLoop {
   bool compensation_;
   bool started_ = false;
   std::int64_t start_ns_;
-  std::deque<CompensationDecision> pending_;
-  PlantTruth truth_;
+  // Waiting to act: a decision acts a period after its data, before the next but one is made.
+  std::array<CompensationDecision, 2> pending_;
+  std::size_t first_pending_ = 0;
+  std::size_t pending_count_ = 0;
+  std::int64_t end_ns_ = 0;  // of the last block
   const LoopOutput* output_ = nullptr;
   std::optional<ParameterEstimate> estimate_;
   std::optional<CompensationDecision> decision_;

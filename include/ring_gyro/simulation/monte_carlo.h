@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/simulation/loop_configuration.h"
+
+namespace ring_gyro {
+
+/// What the batch consists of: item n is the run of `configuration` with seed run.seed + n, on a
+/// device drawn by index n where asked for.
+struct MonteCarlo {
+  LoopConfiguration configuration;
+  bool random_devices = false;
+};
+
+/// Indices first to first + count - 1, of which shard k of n takes those with index % n == k.
+struct MonteCarloRange {
+  std::uint64_t first = 0;
+  std::uint64_t count = 0;
+  std::uint64_t shard = 0;
+  std::uint64_t shards = 1;
+
+  std::vector<std::uint64_t> indices() const;
+};
+
+/// The identified parameters in the order of (29), gamma1, gamma2, mu1, mu2, ks.
+constexpr std::array<const char*, 5> kMonteCarloParameters = {"gamma1", "gamma2", "mu1", "mu2",
+                                                              "drive_gain"};
+
+/// Outcome of one run.
+struct MonteCarloItem {
+  std::uint64_t index = 0;
+  std::int64_t seed = 0;
+  std::string refused;             ///< why it could not be run or identified; empty: it was
+  double natural_frequency = 0.0;  ///< of the device [Hz]
+  double quality_factor = 0.0;
+  double virtual_rate = 0.0;  ///< steering [rad/s]
+  double duration = 0.0;      ///< simulated [s]
+  double locked_after = 0.0;  ///< [s]
+  bool converged = false;
+  std::uint64_t used_blocks = 0;
+  std::uint64_t rejected_blocks = 0;
+  std::array<double, 5> truth{};
+  std::array<double, 5> estimate{};
+  std::array<double, 5> sigma{};
+  std::uint64_t updates = 0;
+  double mean_normalised_innovation_squared = 0.0;  ///< expected: 2
+};
+
+/// Runs one item. What the configuration or the device do not allow is in `refused`.
+MonteCarloItem runMonteCarloItem(const MonteCarlo& batch, std::uint64_t index);
+
+/// Runs the items on `threads` threads. `finished` is called for each as it ends, one at a time, in
+/// no order. What it throws, or an item, ends the batch and is thrown from here.
+void runMonteCarlo(const MonteCarlo& batch, const std::vector<std::uint64_t>& indices,
+                   unsigned threads, const std::function<void(const MonteCarloItem&)>& finished);
+
+/// Errors of one parameter over many items; of ks relative to its truth.
+struct ParameterStatistics {
+  double mean_error = 0.0;
+  double root_mean_square_error = 0.0;
+  double mean_sigma = 0.0;
+  double coverage = 0.0;  ///< share of items whose 95 % interval holds the truth
+};
+
+struct MonteCarloSummary {
+  std::uint64_t items = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t converged = 0;
+  std::array<ParameterStatistics, 5> parameters;  ///< over the items that were not refused
+  double mean_normalised_innovation_squared = 0.0;
+};
+
+MonteCarloSummary summarise(const std::vector<MonteCarloItem>& items);
+
+}  // namespace ring_gyro

@@ -1,0 +1,350 @@
+// rosrun ring_gyro monte_carlo: many closed-loop runs, one JSON line each, on all cores.
+
+#include "ring_gyro/simulation/monte_carlo.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <boost/program_options.hpp>
+#include <cerrno>
+#include <cinttypes>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "progress_bar.h"
+#include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/configuration/configuration_reader.h"
+
+namespace ring_gyro {
+namespace {
+
+namespace options = boost::program_options;
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::string configuration_file;
+  std::vector<std::string> overrides;
+  bool random_devices = false;
+  MonteCarloRange range;
+  unsigned threads = 0;
+  std::string output;
+  bool resume = false;
+  std::vector<std::string> merge;
+};
+
+MonteCarloRange rangeOf(std::uint64_t first, std::uint64_t count, const std::string& shard) {
+  MonteCarloRange range;
+  range.first = first;
+  range.count = count;
+  char end = '\0';
+  if (!shard.empty() && std::sscanf(shard.c_str(), "%" SCNu64 "/%" SCNu64 "%c", &range.shard,
+                                    &range.shards, &end) != 2) {
+    throw options::error("--shard " + shard + ": must be K/N, K from 0 to N - 1");
+  }
+  return range;
+}
+
+/// Nothing when the program has already said what was asked (--help).
+std::optional<Arguments> parse(int argc, char** argv) {
+  Arguments arguments;
+  std::uint64_t first = 0;
+  std::uint64_t count = 0;
+  std::string shard;
+  options::options_description description("monte_carlo");
+  description.add_options()("help,h", "this text")(
+      "config,c", options::value(&arguments.configuration_file), "YAML file of the configuration")(
+      "set", options::value(&arguments.overrides)->composing(),
+      "section/key=value, in place of what the file says; may be repeated")(
+      "random-devices", options::bool_switch(&arguments.random_devices),
+      "each item has a device of its own, drawn by its index (docs/batch.md)")(
+      "first", options::value(&first), "index of the first item; the seed is run/seed + index")(
+      "count", options::value(&count), "number of items")(
+      "shard", options::value(&shard), "K/N: of these items only those with index % N = K")(
+      "threads", options::value(&arguments.threads), "0: all cores")(
+      "output,o", options::value(&arguments.output), "file to which a JSON line is added per item")(
+      "resume", options::bool_switch(&arguments.resume),
+      "leave out what the output file already holds; a line that was cut short is done again")(
+      "merge", options::value(&arguments.merge)->multitoken(),
+      "instead of running: joins these files by index, without duplicates, into --output if given, "
+      "and prints the statistics");
+  options::variables_map values;
+  options::store(options::parse_command_line(argc, argv, description), values);
+  options::notify(values);
+  if (values.count("help") != 0) {
+    std::cout << "usage: monte_carlo --config FILE --count N --output FILE [--shard K/N] "
+                 "[--resume]\n       monte_carlo --merge FILE ... [--output FILE]\n"
+              << description;
+    return std::nullopt;
+  }
+  if (!arguments.merge.empty()) return arguments;
+  if (arguments.configuration_file.empty()) throw options::error("--config FILE is missing");
+  if (arguments.output.empty()) throw options::error("--output FILE is missing");
+  if (count == 0) throw options::error("--count N is missing, or zero");
+  arguments.range = rangeOf(first, count, shard);
+  return arguments;
+}
+
+/// Tells batches apart that must not be mixed: FNV-1a of every parameter but the seed's index.
+std::string fingerprint(const MonteCarlo& batch) {
+  std::ostringstream text;
+  text.precision(17);
+  text << batch.random_devices;
+  LoopConfiguration configuration = batch.configuration;
+  for (const Section& section : configuration.sections()) {
+    for (const Parameter& parameter : section.table.parameters()) {
+      text << '\n' << section.name << '/' << parameter.key << '=';
+      std::visit(
+          [&text](const auto* target) {
+            using Target = std::decay_t<decltype(*target)>;
+            if constexpr (std::is_same_v<Target, std::vector<double>>) {
+              for (const double value : *target) text << value << ' ';
+            } else {
+              text << *target;
+            }
+          },
+          parameter.target);
+    }
+  }
+  std::uint64_t hash = 14695981039346656037u;
+  for (const char c : text.str()) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016" PRIx64, hash);
+  return digits;
+}
+
+Json byName(const std::array<double, 5>& values) {
+  Json json;
+  for (std::size_t k = 0; k < values.size(); ++k) json[kMonteCarloParameters[k]] = values[k];
+  return json;
+}
+
+std::array<double, 5> byName(const Json& json) {
+  std::array<double, 5> values{};
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = json.at(kMonteCarloParameters[k]);
+  return values;
+}
+
+std::string lineOf(const MonteCarloItem& item, const std::string& batch) {
+  Json json;
+  json["index"] = item.index;
+  json["batch"] = batch;
+  json["seed"] = item.seed;
+  if (!item.refused.empty()) {
+    json["refused"] = item.refused;
+    return json.dump() + "\n";
+  }
+  json["natural_frequency"] = item.natural_frequency;
+  json["quality_factor"] = item.quality_factor;
+  json["virtual_rate"] = item.virtual_rate;
+  json["duration"] = item.duration;
+  json["locked_after"] = item.locked_after;
+  json["converged"] = item.converged;
+  json["used_blocks"] = item.used_blocks;
+  json["rejected_blocks"] = item.rejected_blocks;
+  json["truth"] = byName(item.truth);
+  json["estimate"] = byName(item.estimate);
+  json["sigma"] = byName(item.sigma);
+  json["updates"] = item.updates;
+  json["mean_normalised_innovation_squared"] = item.mean_normalised_innovation_squared;
+  return json.dump() + "\n";
+}
+
+MonteCarloItem itemOf(const Json& json) {
+  MonteCarloItem item;
+  item.index = json.at("index");
+  item.seed = json.at("seed");
+  if (json.contains("refused")) {
+    item.refused = json.at("refused").get<std::string>();
+    return item;
+  }
+  item.converged = json.at("converged");
+  item.truth = byName(json.at("truth"));
+  item.estimate = byName(json.at("estimate"));
+  item.sigma = byName(json.at("sigma"));
+  item.updates = json.at("updates");
+  item.mean_normalised_innovation_squared = json.at("mean_normalised_innovation_squared");
+  return item;
+}
+
+/// The whole lines of a file, by index.
+struct Lines {
+  std::map<std::uint64_t, std::string> by_index;
+  std::string batch;
+  std::size_t whole = 0;  // bytes up to the end of the last whole line
+};
+
+/// Adds the lines of a file; a last one without its end is left out. Throws std::runtime_error
+/// naming file and line where one is not of this kind, or differs from one with the same index.
+void readLines(const std::string& path, Lines& lines) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  std::ostringstream content;
+  content << file.rdbuf();
+  const std::string text = content.str();
+  lines.whole = 0;
+  std::size_t number = 0;
+  for (std::size_t end = text.find('\n'); end != std::string::npos;
+       end = text.find('\n', lines.whole)) {
+    ++number;
+    const std::string where = path + ":" + std::to_string(number) + ": ";
+    const std::string line = text.substr(lines.whole, end + 1 - lines.whole);
+    lines.whole = end + 1;
+    std::uint64_t index = 0;
+    std::string batch;
+    try {
+      const Json json = Json::parse(line);
+      index = json.at("index");
+      batch = json.at("batch").get<std::string>();
+      itemOf(json);
+    } catch (const Json::exception& error) {
+      throw std::runtime_error(where + "no line of monte_carlo: " + error.what());
+    }
+    if (!lines.batch.empty() && batch != lines.batch) {
+      throw std::runtime_error(where +
+                               "of another configuration than the lines before or the "
+                               "present one; give each batch files of its own");
+    }
+    lines.batch = batch;
+    const auto place = lines.by_index.emplace(index, line);
+    if (place.first->second != line) {
+      throw std::runtime_error(where + "item " + std::to_string(index) +
+                               " is there twice and differs: run by different builds?");
+    }
+  }
+}
+
+/// A file that grows by whole lines: each is one write at the end.
+class LineFile {
+ public:
+  explicit LineFile(const std::string& path)
+      : path_(path), file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644)) {
+    if (file_ < 0) fail();
+  }
+  ~LineFile() { ::close(file_); }
+  LineFile(const LineFile&) = delete;
+  LineFile& operator=(const LineFile&) = delete;
+
+  void cutAt(std::size_t length) {
+    if (::ftruncate(file_, static_cast<off_t>(length)) != 0) fail();
+  }
+  bool empty() const { return ::lseek(file_, 0, SEEK_END) == 0; }
+  void add(const std::string& line) {
+    if (::write(file_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) fail();
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno));
+  }
+
+  std::string path_;
+  int file_;
+};
+
+void print(const MonteCarloSummary& summary) {
+  std::printf("items      %" PRIu64 ", %" PRIu64 " refused, %" PRIu64 " converged\n", summary.items,
+              summary.refused, summary.converged);
+  if (summary.items == summary.refused) return;
+  std::printf("parameter    mean error         RMSE   mean sigma   in 95 %% interval\n");
+  for (std::size_t k = 0; k < summary.parameters.size(); ++k) {
+    const ParameterStatistics& p = summary.parameters[k];
+    std::printf("%-10s % 12.3e %12.3e %12.3e %12.1f %%%s\n", kMonteCarloParameters[k], p.mean_error,
+                p.root_mean_square_error, p.mean_sigma, 100.0 * p.coverage,
+                k + 1 == summary.parameters.size() ? " (relative)" : "");
+  }
+  std::printf("innovations  mean normalised square %.4f, expected 2\n",
+              summary.mean_normalised_innovation_squared);
+}
+
+void printReasons(const std::vector<MonteCarloItem>& items) {
+  std::map<std::string, int> reasons;
+  for (const MonteCarloItem& item : items) {
+    if (!item.refused.empty()) ++reasons[item.refused];
+  }
+  for (const auto& reason : reasons) {
+    std::printf("refused    %d: %s\n", reason.second, reason.first.c_str());
+  }
+}
+
+void printStatistics(const Lines& lines) {
+  std::vector<MonteCarloItem> items;
+  for (const auto& line : lines.by_index) items.push_back(itemOf(Json::parse(line.second)));
+  print(summarise(items));
+  printReasons(items);
+}
+
+void merge(const Arguments& arguments) {
+  Lines lines;
+  for (const std::string& path : arguments.merge) readLines(path, lines);
+  if (!arguments.output.empty()) {
+    std::string text;
+    for (const auto& line : lines.by_index) text += line.second;
+    writeWholeFile(arguments.output, text);
+  }
+  printStatistics(lines);
+}
+
+void runBatch(const Arguments& arguments) {
+  MonteCarlo batch;
+  batch.configuration = readConfigurationFile(arguments.configuration_file, arguments.overrides);
+  batch.random_devices = arguments.random_devices;
+  const std::string name = fingerprint(batch);
+
+  LineFile file(arguments.output);
+  Lines lines;
+  lines.batch = name;
+  if (arguments.resume) {
+    readLines(arguments.output, lines);
+    file.cutAt(lines.whole);
+  } else if (!file.empty()) {
+    throw std::runtime_error(arguments.output +
+                             ": is there already; add --resume to go on, or name another file");
+  }
+  std::vector<std::uint64_t> left;
+  for (const std::uint64_t index : arguments.range.indices()) {
+    if (lines.by_index.count(index) == 0) left.push_back(index);
+  }
+  const unsigned threads = arguments.threads != 0
+                               ? arguments.threads
+                               : std::max(1u, std::thread::hardware_concurrency());
+  ProgressBar progress(static_cast<double>(left.size()), "items");
+  double done = 0.0;
+  runMonteCarlo(batch, left, threads, [&](const MonteCarloItem& item) {
+    const std::string line = lineOf(item, name);
+    file.add(line);
+    lines.by_index.emplace(item.index, line);
+    progress.showNow(done += 1.0);
+  });
+  printStatistics(lines);
+}
+
+}  // namespace
+}  // namespace ring_gyro
+
+int main(int argc, char** argv) {
+  using namespace ring_gyro;
+  try {
+    const std::optional<Arguments> arguments = parse(argc, argv);
+    if (!arguments) return EXIT_SUCCESS;
+    if (arguments->merge.empty()) {
+      runBatch(*arguments);
+    } else {
+      merge(*arguments);
+    }
+    return EXIT_SUCCESS;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "monte_carlo: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}
