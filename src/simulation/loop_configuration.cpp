@@ -68,6 +68,7 @@ Sections LoopConfiguration::sections() {
   result.push_back(section("demodulation", demodulation));
   result.push_back(section("control", control));
   result.push_back(section("identification", identification));
+  result.push_back(section("extended", extended));
   result.push_back(section("compensation", compensation));
   return result;
 }
@@ -78,6 +79,8 @@ void LoopConfiguration::shareDevice() {
   control.drive_gain = device.drive_gain;
   identification.natural_frequency = device.natural_frequency;
   identification.quality_factor = device.quality_factor;
+  extended.natural_frequency = device.natural_frequency;
+  extended.quality_factor = device.quality_factor;
   compensation.natural_frequency = device.natural_frequency;
   compensation.quality_factor = device.quality_factor;
 }

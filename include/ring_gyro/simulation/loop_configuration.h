@@ -7,6 +7,7 @@
 #include "ring_gyro/compensation/compensation_injector.h"
 #include "ring_gyro/control/control_parameters.h"
 #include "ring_gyro/demodulation/demodulator.h"
+#include "ring_gyro/identification/extended_parameters.h"
 #include "ring_gyro/identification/identifier.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
@@ -47,10 +48,11 @@ struct LoopConfiguration {
   DemodulationParameters demodulation;
   ControlParameters control;
   IdentificationParameters identification;
+  ExtendedParameters extended;
   InjectorParameters compensation;
 
   /// The sections in the order of the file: run, converter, device, resonator, sense, drive,
-  /// rotation, demodulation, control, identification, compensation. The tables point into this
+  /// rotation, demodulation, control, identification, extended, compensation. The tables point into this
   /// object.
   Sections sections();
 
