@@ -3,9 +3,8 @@
 
 #include <console_bridge/console.h>
 #include <ros/package.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/program_options.hpp>
 #include <chrono>
@@ -15,11 +14,8 @@
 #include <exception>
 #include <functional>
 #include <iostream>
-#include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "ring_gyro/common/angle.h"
@@ -27,9 +23,7 @@
 #include "ring_gyro/identification/batch_least_squares.h"
 #include "ring_gyro/identification/extended_identifier.h"
 #include "ring_gyro/identification/identifier.h"
-#include "ring_gyro/ros/conversions.h"
-#include "ring_gyro/ros/loop_bag.h"
-#include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/ros/recorded_run.h"
 
 namespace ring_gyro {
 namespace {
@@ -95,58 +89,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
-struct Pair {
-  OrbitalElements elements;
-  ControlGains gains;
-  double rotation_rate = 0.0;  // of the case, as the truth of the bag says [rad/s]
-};
-
-struct Run {
-  std::vector<Pair> pairs;
-  std::optional<PlantTruth> truth;  // the last
-};
-
-Run readRun(const std::string& path, double duration) {
-  Run run;
-  std::map<std::uint64_t, double> rotation;  // by sequence
-  LoopBag bag(path);
-  if (bag.hasIndex()) {
-    rosbag::Bag whole(path);
-    rosbag::View view(whole, [](const rosbag::ConnectionInfo* connection) {
-      return connection->datatype == ros::message_traits::datatype<ring_gyro_msgs::PlantTruth>();
-    });
-    for (const rosbag::MessageInstance& instance : view) {
-      const auto message = instance.instantiate<ring_gyro_msgs::PlantTruth>();
-      if (!message) continue;
-      PlantTruth truth;
-      fromMessage(*message, truth);
-      if (truth.rotation_rate != 0.0) rotation[truth.stamp.sequence] = truth.rotation_rate;
-      run.truth = truth;
-    }
-  }
-  PairMerge merge([&](const OrbitalElements& elements, const ControlGains& gains) {
-    if (duration > 0.0 && !run.pairs.empty() &&
-        elements.stamp.end() - run.pairs.front().elements.stamp.end() > duration) {
-      return;
-    }
-    const auto found = rotation.find(elements.stamp.sequence);
-    run.pairs.push_back({elements, gains, found == rotation.end() ? 0.0 : found->second});
-  });
-  OrbitalElements elements;
-  ControlGains gains;
-  bag.read(
-      [&](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& /*time*/) {
-        fromMessage(message, elements);
-        merge.add(elements);
-      },
-      [&](const ring_gyro_msgs::ControlGains& message, const ros::Time& /*time*/) {
-        fromMessage(message, gains);
-        merge.add(gains);
-      });
-  merge.flush();
-  if (run.pairs.empty()) throw BagError(path + ": no pairs of elements and gains in it");
-  return run;
-}
+using Pair = RecordedPair;
 
 /// gamma1, gamma2, mu1, mu2, ks, Q.
 using Figures = std::array<double, 6>;
@@ -301,7 +244,7 @@ void print(const std::vector<Row>& rows) {
   }
 }
 
-std::vector<Row> compare(const Run& run, const LoopConfiguration& configuration) {
+std::vector<Row> compare(const RecordedRun& run, const LoopConfiguration& configuration) {
   std::vector<Row> rows;
   for (const Method& method : methods(configuration, run.truth)) {
     Row row{method.name, method.start, false, std::nullopt, {}, 0.0};
@@ -362,7 +305,7 @@ int run(const Arguments& arguments) {
   bool failed = false;
   for (const std::string& path : arguments.bags) {
     try {
-      const Run recorded = readRun(path, arguments.duration);
+      const RecordedRun recorded = readRecordedRun({path}, {}, 0.0, arguments.duration);
       runs.push_back(compare(recorded, configuration));
       std::printf("%s: %zu blocks%s\n", path.c_str(), recorded.pairs.size(),
                   recorded.truth ? "" : ", no truth in it");
