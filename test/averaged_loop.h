@@ -27,6 +27,7 @@ class AveragedLoop {
     double virtual_rate = toRadians(12.0);
     double rotation_rate = 0.0;  // [rad/s]
     double theta = 0.1;          // at the start [rad]
+    double amplitude = 1.0;      // setpoint of a; 1 V at the start [V]
     DampingCompensation compensation;
     double bandwidth = 20.0;  // of the three loops [Hz]
     unsigned seed = 1;
@@ -57,6 +58,9 @@ class AveragedLoop {
   /// The true orbit at the end of the last block.
   const Orbit& orbit() const { return orbit_; }
   void setCompensation(const DampingCompensation& gains) { options_.compensation = gains; }
+  void setVirtualRate(double rate) { options_.virtual_rate = rate; }    ///< [rad/s]
+  void setRotationRate(double rate) { options_.rotation_rate = rate; }  ///< k Om [rad/s]
+  void setAmplitude(double amplitude) { options_.amplitude = amplitude; }  ///< setpoint of a [V]
 
   Output step() {
     // What acts in this block was decided at the end of the last one.
@@ -131,7 +135,7 @@ class AveragedLoop {
         kTwoPi * options_.natural_frequency + loop(measured_.phi + kPi / 2, phase_integral_);
     const double force_per_rate = 2.0 * w / options_.device.drive_gain;
     DriveGains gains;
-    gains.sustain_force = force_per_rate * loop(1.0 - measured_.a, amplitude_integral_);
+    gains.sustain_force = force_per_rate * loop(options_.amplitude - measured_.a, amplitude_integral_);
     gains.alpha = force_per_rate * loop(measured_.b, quadrature_integral_);
     gains.virtual_rate = options_.virtual_rate;
     gains.compensation = options_.compensation;

@@ -23,9 +23,11 @@
 #include "progress_bar.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/identification/extended_identifier.h"
 #include "ring_gyro/ros/bag_identification.h"
 #include "ring_gyro/ros/bag_writer.h"
 #include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/recorded_run.h"
 #include "ring_gyro/ros/topics.h"
 
 namespace ring_gyro {
@@ -47,6 +49,7 @@ struct Arguments {
   std::string json_file;
   std::string estimates_file;
   bool as_one_run = false;
+  bool extended = false;
   BagIdentificationOptions identification;
 };
 
@@ -65,7 +68,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   description.add_options()("help,h", "this text")("bag", options::value(&arguments.bags),
                                                    "recorded runs (or just their names)")(
       "config,c", options::value(&arguments.configuration_file),
-      "YAML file: the sections converter, device and identification are used")(
+      "YAML file: the sections converter, device, identification and extended are used")(
       "preset", options::value(&preset), "config/NAME.yaml of this package, instead of --config")(
       "set", options::value(&arguments.overrides)->composing(),
       "section/key=value, in place of what the file says; may be repeated")(
@@ -79,6 +82,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "the filter starts with this block, as an identifier that was started there")(
       "continue", options::bool_switch(&arguments.as_one_run),
       "the bags are one run that was split")(
+      "extended", options::bool_switch(&arguments.extended),
+      "print the estimates of the extended identifier too, by the section extended")(
       "elements", options::value(&arguments.identification.topics.elements),
       "topic of the orbital elements, when there are several")(
       "gains", options::value(&arguments.identification.topics.gains),
@@ -232,9 +237,47 @@ class Identification {
   std::size_t finished_ = 0;
 };
 
+/// The extended identifier over the same run, as a table for people.
+std::string extendedText(const std::vector<std::string>& bags, const Arguments& arguments,
+                         const LoopConfiguration& configuration) {
+  const BagIdentificationOptions& wanted = arguments.identification;
+  const RecordedRun run =
+      readRecordedRun(bags, wanted.topics, wanted.start, wanted.duration.value_or(0.0));
+  ExtendedIdentifier identifier(configuration.extended, configuration.converter);
+  ExtendedEstimate last;
+  double nis_sum = 0.0;
+  int updates = 0;
+  for (const RecordedPair& pair : run.pairs) {
+    if (pair.elements.stamp.sequence < wanted.start_sequence) continue;
+    const auto estimate = identifier.process(
+        pair.elements, pair.gains, configuration.device.angular_gain * pair.rotation_rate);
+    if (!estimate) continue;
+    last = *estimate;
+    if (!last.settled || !last.updated || !last.whole_period) continue;
+    nis_sum += last.normalised_innovation_squared;
+    ++updates;
+  }
+  if (!last.scaled) return "  extended     not identified: no complete period of usable blocks\n";
+  char line[160];
+  std::string text;
+  std::snprintf(line, sizeof line,
+                "  extended     %s, Q %.8g, mean NIS %.3f of 4 over %d updates\n",
+                last.settled ? "settled" : "the cubic term is not found yet", last.quality_factor,
+                updates > 0 ? nis_sum / updates : 0.0, updates);
+  text += line;
+  for (std::size_t k = 4; k < identifier.names().size(); ++k) {
+    const auto state = static_cast<Eigen::Index>(k);
+    std::snprintf(line, sizeof line, "    %-21s %20.13g +- %.2g\n", identifier.names()[k].c_str(),
+                  last.value[state], last.sigma(state));
+    text += line;
+  }
+  return text;
+}
+
 /// Tables, lines about faults, JSON. Returns the exit status.
-int report(const std::vector<Outcome>& outcomes, const LoopConfiguration& configuration,
-           const std::string& json_file) {
+int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
+           const LoopConfiguration& configuration) {
+  const std::string& json_file = arguments.json_file;
   std::vector<IdentificationResult> results;
   bool failed = false;
   bool faulty = false;
@@ -250,6 +293,9 @@ int report(const std::vector<Outcome>& outcomes, const LoopConfiguration& config
     const IdentificationResult& result = *outcome.result;
     const std::string& source = result.sources.front();
     std::fputs(identificationText(result, configuration).c_str(), stdout);
+    if (arguments.extended) {
+      std::fputs(extendedText(result.sources, arguments, configuration).c_str(), stdout);
+    }
     std::fflush(stdout);
     for (const std::string& line : result.damage) say(source, line);
     const std::string failure = failureOf(result.report, configuration);
@@ -281,7 +327,7 @@ int main(int argc, char** argv) {
     const LoopConfiguration configuration =
         readConfigurationFile(arguments->configuration_file, arguments->overrides);
     Identification identification(*arguments, configuration);
-    return report(identification.run(), configuration, arguments->json_file);
+    return report(identification.run(), *arguments, configuration);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "identify: %s\n", error.what());
     return kFailed;

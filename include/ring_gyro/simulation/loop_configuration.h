@@ -56,8 +56,8 @@ struct LoopConfiguration {
   CalibrationRunParameters calibration_run;
 
   /// The sections in the order of the file: run, converter, device, resonator, sense, drive,
-  /// rotation, demodulation, control, calibration, identification, extended, compensation, calibration_run.
-  /// The tables point into this object.
+  /// rotation, demodulation, control, calibration, identification, extended, compensation,
+  /// calibration_run. The tables point into this object.
   Sections sections();
 
   /// Hands `device` on to control, identification and compensation, whose tables leave it out so

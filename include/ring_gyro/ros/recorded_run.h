@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ring_gyro/control/control_gains.h"
+#include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/ros/loop_bag.h"
+
+namespace ring_gyro {
+
+/// Elements and gains of one block, and the rotation of the case in it.
+struct RecordedPair {
+  OrbitalElements elements;
+  ControlGains gains;
+  double rotation_rate = 0.0;  ///< as the truth of a simulated run says; 0 without [rad/s]
+};
+
+/// A recorded run in memory, about 0.4 kB a block.
+struct RecordedRun {
+  std::vector<RecordedPair> pairs;
+  std::optional<PlantTruth> truth;  ///< the last, of a simulated run
+};
+
+/// Reads one run, which may be split over several bags: pairs by PairMerge, the truth where a bag
+/// has it and an index. `start` and `duration` (0: to the end) in bag time from the begin [s].
+/// Throws BagError.
+RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTopics& topics = {},
+                            double start = 0.0, double duration = 0.0);
+
+}  // namespace ring_gyro

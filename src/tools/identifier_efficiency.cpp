@@ -1,0 +1,206 @@
+// How near the extended identifier comes to the posterior Cramer-Rao bound: many seeds of the
+// closed loop of a configuration with ideal electronics (noise and the drive's gain matrix may be
+// on).
+//
+//   identifier_efficiency CONFIG.yaml SEEDS [section/key=value ...]
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <complex>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/control/control_loops.h"
+#include "ring_gyro/identification/extended_identifier.h"
+#include "ring_gyro/identification/extended_prior.h"
+#include "ring_gyro/identification/information_bound.h"
+#include "ring_gyro/resonator/plant_simulator.h"
+
+namespace ring_gyro {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// Calls `seen` with every block of a run: what the loops gave, and k Om.
+template <typename Seen>
+void runLoop(const LoopConfiguration& configuration, std::uint64_t seed, const Seen& seen) {
+  PlantSimulator plant(configuration.plant, configuration.converter, seed, 1, 1000000000);
+  ControlLoops loops(configuration.control, configuration.demodulation, configuration.converter);
+  const DisplacementBlock* block = &plant.start();
+  const std::uint64_t blocks = configuration.run.blocks(configuration.converter);
+  for (std::uint64_t n = 0; n < blocks; ++n) {
+    const LoopOutput& output = loops.process(*block);
+    seen(output, configuration.plant.resonator.angular_gain * plant.truth().rotation_rate);
+    block = &plant.step(output.command);
+  }
+}
+
+/// Truth of the states, as far as the electronics are a gain matrix of the drive.
+ExtendedVector truthOf(const ExtendedState& state, const LoopConfiguration& configuration) {
+  const ResonatorParameters ring = configuration.plant.resonator.tuned();
+  const AxisErrors& axes = configuration.plant.drive.axes;
+  Eigen::Matrix2cd matrix = ring.driveGain() * axes.gainMatrix().cast<Complex>();
+  for (int k = 0; k < 2; ++k) matrix.col(k) *= std::polar(1.0, -axes.phaseDelays()[k]);
+  const Complex gain = 0.5 * (matrix(0, 0) + matrix(1, 1));
+  const Complex mismatch = 0.5 * (matrix(0, 0) - matrix(1, 1)) / gain;
+  const Complex skew = 0.5 * (matrix(0, 1) + matrix(1, 0)) / gain;
+  const Complex turn = 0.5 * (matrix(0, 1) - matrix(1, 0)) / gain;
+
+  const ExtendedState::Layout& at = state.layout();
+  ExtendedVector truth = ExtendedVector::Zero(state.size());
+  truth.segment<5>(at.gamma) << ring.gamma1, ring.gamma2, ring.mu1, ring.mu2, std::abs(gain);
+  if (at.decay_rate >= 0) truth[at.decay_rate] = ring.decayRate();
+  if (at.frequency >= 0) truth[at.frequency] = ring.natural_frequency;
+  if (at.drive_phase >= 0) truth[at.drive_phase] = -std::arg(gain);
+  if (at.mismatch >= 0) {
+    truth.segment<4>(at.mismatch) << mismatch.real(), skew.real(), mismatch.imag(), skew.imag();
+  }
+  if (at.drive_rotation >= 0) truth.segment<2>(at.drive_rotation) << turn.real(), turn.imag();
+  if (at.pickoff_cubic >= 0) truth[at.pickoff_cubic] = configuration.plant.sense.cubic;
+  return truth;
+}
+
+double processNoise(const PlantParameters& plant) {
+  const double density = std::hypot(plant.resonator.thermal_noise_density,
+                                    plant.drive.zero_order_hold ? 0.0 : plant.drive.noise_density);
+  return 0.5 * plant.resonator.driveGain() * density / plant.resonator.angularFrequency();
+}
+
+ExtendedMatrix boundOf(LoopConfiguration configuration, const ExtendedState& state,
+                       const ExtendedVector& truth) {
+  const PlantParameters noisy = configuration.plant;
+  configuration.plant.sense.noise_density = 0.0;
+  configuration.plant.drive.noise_density = 0.0;
+  configuration.plant.resonator.thermal_noise_density = 0.0;
+  ExtendedVector sigma = priorSigma(state, configuration.extended, truth);
+  sigma.head<4>().setOnes();
+  EnvelopeBound bound(EnvelopeModel(state), truth, sigma, noisy.sense.noise_density,
+                      processNoise(noisy), configuration.converter);
+  runLoop(configuration, 1, [&bound](const LoopOutput& output, double rotation) {
+    bound.process(output.elements, output.gains, rotation);
+  });
+  return bound.covariance();
+}
+
+struct Statistics {
+  explicit Statistics(Eigen::Index size)
+      : square(Eigen::ArrayXd::Zero(size)),
+        sum(Eigen::ArrayXd::Zero(size)),
+        variance(Eigen::ArrayXd::Zero(size)),
+        covered(Eigen::ArrayXd::Zero(size)) {}
+
+  Eigen::ArrayXd square;
+  Eigen::ArrayXd sum;
+  Eigen::ArrayXd variance;
+  Eigen::ArrayXd covered;
+  double nees = 0.0;
+  double nis = 0.0;
+  double updates = 0.0;
+};
+
+void addSeed(const LoopConfiguration& configuration, const ExtendedVector& truth,
+             std::uint64_t seed, std::mutex& mutex, Statistics& statistics) {
+  ExtendedIdentifier identifier(configuration.extended, configuration.converter);
+  ExtendedEstimate last;
+  double nis = 0.0;
+  double updates = 0.0;
+  runLoop(configuration, seed, [&](const LoopOutput& output, double rotation) {
+    const auto estimate = identifier.process(output.elements, output.gains, rotation);
+    if (!estimate) return;
+    last = *estimate;
+    if (!estimate->settled || !estimate->updated || !estimate->whole_period) return;
+    nis += estimate->normalised_innovation_squared;
+    updates += 1.0;
+  });
+  if (!last.settled) throw std::runtime_error("the identifier has not settled; run longer");
+  const Eigen::Index size = truth.size() - 4;
+  const Eigen::VectorXd error = (last.value - truth).tail(size);
+  const Eigen::MatrixXd covariance = last.covariance.bottomRightCorner(size, size);
+  const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd correlation = covariance.cwiseQuotient(sigma * sigma.transpose());
+  const Eigen::VectorXd scaled = error.cwiseQuotient(sigma);
+  const std::lock_guard<std::mutex> lock(mutex);
+  statistics.square += error.array().square();
+  statistics.sum += error.array();
+  statistics.variance += sigma.array().square();
+  statistics.covered += (scaled.array().abs() < 1.959964).cast<double>();
+  statistics.nees += scaled.dot(correlation.ldlt().solve(scaled));
+  statistics.nis += nis;
+  statistics.updates += updates;
+}
+
+void run(LoopConfiguration configuration, std::uint64_t seeds) {
+  configuration.extended.noise_density = configuration.plant.sense.noise_density;
+  configuration.extended.envelope_process_noise = processNoise(configuration.plant);
+  const ExtendedState state(configuration.extended);
+  const ExtendedVector truth = truthOf(state, configuration);
+  const ExtendedMatrix bound = boundOf(configuration, state, truth);
+
+  const Eigen::Index size = state.size() - 4;
+  Statistics statistics(size);
+  std::mutex mutex;
+  std::atomic<std::uint64_t> next{1};
+  std::string error;
+  std::vector<std::thread> threads;
+  for (unsigned t = 0; t < std::max(1u, std::thread::hardware_concurrency()); ++t) {
+    threads.emplace_back([&] {
+      try {
+        for (std::uint64_t seed = next++; seed <= seeds; seed = next++) {
+          addSeed(configuration, truth, seed, mutex, statistics);
+        }
+      } catch (const std::exception& failure) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        error = failure.what();
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  if (!error.empty()) throw std::runtime_error(error);
+
+  const double count = static_cast<double>(seeds);
+  std::printf(
+      "%.0f s, %llu seeds. NEES %.2f, expected %d, 95 %% within +- %.2f; NIS %.4f, expected 4, "
+      "95 %% within +- %.4f\n",
+      configuration.run.duration, static_cast<unsigned long long>(seeds), statistics.nees / count,
+      static_cast<int>(size), 1.96 * std::sqrt(2.0 * static_cast<double>(size) / count),
+      statistics.nis / statistics.updates, 1.96 * std::sqrt(8.0 / statistics.updates));
+  std::printf("%-22s %10s %10s %10s %10s %12s %10s %9s\n", "", "truth", "bound", "sigma", "rmse",
+              "rmse/bound", "bias/rmse", "coverage");
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const double rmse = std::sqrt(statistics.square[k] / count);
+    const double limit = std::sqrt(bound(k + 4, k + 4));
+    std::printf("%-22s %10.3g %10.2e %10.2e %10.2e %12.3f %10.2f %8.1f %%\n",
+                state.names()[static_cast<std::size_t>(k + 4)].c_str(), truth[k + 4], limit,
+                std::sqrt(statistics.variance[k] / count), rmse, rmse / limit,
+                statistics.sum[k] / count / rmse, 100.0 * statistics.covered[k] / count);
+  }
+}
+
+}  // namespace
+}  // namespace ring_gyro
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::fprintf(stderr,
+                 "usage: identifier_efficiency CONFIG.yaml SEEDS [section/key=value ...]\n");
+    return EXIT_FAILURE;
+  }
+  try {
+    const std::vector<std::string> overrides(argv + 3, argv + argc);
+    ring_gyro::run(ring_gyro::readConfigurationFile(argv[1], overrides),
+                   std::strtoull(argv[2], nullptr, 10));
+    return EXIT_SUCCESS;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "identifier_efficiency: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}
