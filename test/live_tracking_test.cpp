@@ -45,7 +45,7 @@ Outcome run(const LoopConfiguration& configuration, double duration) {
   while (loop.time() < duration) {
     const LoopRecord now = loop.step();
     if (now.estimate) outcome.estimate = *now.estimate;
-    outcome.truth = now.truth;
+    outcome.truth = now.truth();
     const OrbitalElements& elements = now.loops.elements;
     if (loop.time() < 20.0) continue;
     EXPECT_TRUE(elements.status.usable()) << loop.time();

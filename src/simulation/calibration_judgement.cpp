@@ -36,7 +36,7 @@ Run turn(const LoopConfiguration& configuration, double time,
     const LoopRecord now = loop.step();
     const OrbitalElements& elements = now.loops.elements;
     const double block = elements.stamp.duration();
-    const double truth = unwrapper.unwrap(orbitFromEnvelope(now.truth.envelope).theta);
+    const double truth = unwrapper.unwrap(orbitFromEnvelope(now.truth().envelope).theta);
     const bool usable = elements.status.usable();
     settled = usable ? settled + block : settled;
     if (usable && settled > settling) {
