@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -149,6 +150,18 @@ TEST(VectorKernels, WeightedSumIsTheScalarProduct) {
     sum += static_cast<long double>(weights[j]) * values[j];
   }
   EXPECT_NEAR(weightedSum(weights.data(), values.data(), kCount), static_cast<double>(sum), 1e-14);
+}
+
+TEST(VectorKernels, SumTakesAnyCountAndShowsWhatIsNotFinite) {
+  std::vector<double> values = randomNumbers(15);
+  for (const std::size_t count : {std::size_t{1}, std::size_t{200}, kCount}) {
+    long double sum = 0.0L;
+    for (std::size_t j = 0; j < count; ++j) sum += values[j];
+    EXPECT_NEAR(sumOf(values.data(), count), static_cast<double>(sum), 1e-13);
+  }
+  values[199] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(std::isfinite(sumOf(values.data(), 200)));
+  EXPECT_TRUE(std::isfinite(sumOf(values.data(), 199)));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ using Four = double __attribute__((vector_size(32)));
 inline void load(const double* from, Lanes& lanes) { std::memcpy(&lanes, from, sizeof lanes); }
 inline void store(const Lanes& lanes, double* to) { std::memcpy(to, &lanes, sizeof lanes); }
 
-inline double sumOf(const Lanes& low, const Lanes& high) {
+inline double sumOfLanes(const Lanes& low, const Lanes& high) {
   const Lanes sum = low + high;
   return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
 }
@@ -148,10 +148,10 @@ void mixDown(const double* x, const double* y, double phase, double step, std::s
     sum_yi1 += w1 * yi1;
     turn(phasor);
   }
-  sums[0] = sumOf(sum_xr0, sum_xr1);
-  sums[1] = sumOf(sum_xi0, sum_xi1);
-  sums[2] = sumOf(sum_yr0, sum_yr1);
-  sums[3] = sumOf(sum_yi0, sum_yi1);
+  sums[0] = sumOfLanes(sum_xr0, sum_xr1);
+  sums[1] = sumOfLanes(sum_xi0, sum_xi1);
+  sums[2] = sumOfLanes(sum_yr0, sum_yr1);
+  sums[3] = sumOfLanes(sum_yi0, sum_yi1);
 }
 
 RING_GYRO_VECTOR_CLONES
@@ -239,7 +239,24 @@ double weightedSum(const double* weights, const double* values, std::size_t coun
     sum0 += w0 * v0;
     sum1 += w1 * v1;
   }
-  return sumOf(sum0, sum1);
+  return sumOfLanes(sum0, sum1);
+}
+
+RING_GYRO_VECTOR_CLONES
+double sumOf(const double* values, std::size_t count) {
+  Lanes sum0{};
+  Lanes sum1{};
+  std::size_t j = 0;
+  for (; j + kKernelLanes <= count; j += kKernelLanes) {
+    Lanes v0, v1;
+    load(values + j, v0);
+    load(values + j + kWidth, v1);
+    sum0 += v0;
+    sum1 += v1;
+  }
+  double sum = sumOfLanes(sum0, sum1);
+  for (; j < count; ++j) sum += values[j];
+  return sum;
 }
 
 }  // namespace ring_gyro

@@ -67,4 +67,7 @@ void runRecurrence(const LinearRecurrence& recurrence, double* state, const doub
 /// Sum of weights[j] values[j], over kKernelLanes partial sums.
 double weightedSum(const double* weights, const double* values, std::size_t count);
 
+/// Sum of `count` values, any number of them: finite unless one is not, or it overflows.
+double sumOf(const double* values, std::size_t count);
+
 }  // namespace ring_gyro
