@@ -255,6 +255,39 @@ void runRecurrence(const LinearRecurrence& recurrence, double* state, const doub
 }
 
 RING_GYRO_VECTOR_CLONES
+void runGapRecurrence(const LinearRecurrence& recurrence, const GapNodes& nodes, double* state,
+                      const double* p, const double* q, std::size_t count, double* first,
+                      double* second) {
+  Four e[4], h[2], u[4], v[4], hu[2], hv[2], kick[6], output, s;
+  std::memcpy(e, recurrence.flow, sizeof e);
+  std::memcpy(h, recurrence.input, sizeof h);
+  std::memcpy(u, nodes.flow[0], sizeof u);
+  std::memcpy(v, nodes.flow[1], sizeof v);
+  std::memcpy(hu, nodes.input[0], sizeof hu);
+  std::memcpy(hv, nodes.input[1], sizeof hv);
+  std::memcpy(kick, nodes.kick, sizeof kick);
+  std::memcpy(&output, recurrence.output, sizeof s);
+  std::memcpy(&s, state, sizeof s);
+  for (std::size_t j = 0; j < count; ++j) {
+    const Four read = output * s;
+    first[j] = read[0] + read[2];
+    second[j] = read[1] + read[3];
+    const Four volts = {p[j], q[j], p[j], q[j]};
+    Four at_two = hu[0] * p[j] + hu[1] * q[j];
+    Four at_third = hv[0] * p[j] + hv[1] * q[j];
+    Four next = h[0] * p[j] + h[1] * q[j];
+    addProduct(u, s, at_two);
+    addProduct(v, s, at_third);
+    addProduct(e, s, next);
+    const Four force_two = volts * (at_two * at_two);
+    const Four force_third = volts * (at_third * at_third);
+    addProduct(kick, force_two, next);
+    s = next + (kick[4] * force_third[0] + kick[5] * force_third[1]);
+  }
+  std::memcpy(state, &s, sizeof s);
+}
+
+RING_GYRO_VECTOR_CLONES
 double weightedSum(const double* weights, const double* values, std::size_t count) {
   Lanes sum0{};
   Lanes sum1{};

@@ -159,11 +159,11 @@ class PlantSimulator::Implementation {
     forced_ = resonator_.steadyMotion(force_, command_.reference_frequency);
     const bool held = parameters_.drive.zero_order_hold;
     if (held) holdDrive();
-    const bool linear = sampled_.isLinear() && rotation_.isConstant(begin, begin + duration);
-    if (linear && !held) {
+    const bool constant = rotation_.isConstant(begin, begin + duration);
+    if (constant && !held && sampled_.isLinear()) {
       moveBlock(duration);
     } else {
-      if (linear) {
+      if (constant && held && sampled_.canMoveHeld()) {
         moveHeld();
       } else {
         integrateSamples(begin, profile_rate);
