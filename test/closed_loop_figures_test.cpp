@@ -133,6 +133,23 @@ TEST(Figures, DriftBeforeAndAfterCompensation) {
   }
 }
 
+TEST(Figures, RealisticPresetLocksAndStaysWithinItsConverters) {
+  const LoopConfiguration configuration = preset("realistic");
+  ClosedLoop loop(configuration);
+  double locked_after = 0.0;
+  int not_usable = 0;
+  while (loop.time() < 35.0) {  // more than a turn
+    const LoopStatus& status = loop.step().loops.gains.status;
+    if (locked_after == 0.0 && status.locked()) locked_after = loop.time();
+    if (loop.time() > 1.0 && !status.usable()) ++not_usable;
+  }
+  std::printf("[figure] realistic preset: locked after %.3f s, %d blocks not usable after 1 s\n",
+              locked_after, not_usable);
+  EXPECT_GT(locked_after, 0.0);
+  EXPECT_LT(locked_after, 1.0);
+  EXPECT_EQ(not_usable, 0);
+}
+
 // Printed, not asserted: the machines are shared.
 TEST(Figures, SpeedOfTheLoopInProcess) {
   const LoopConfiguration configuration = preset("paper_simulation");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -123,22 +124,24 @@ TEST(VectorKernels, RecurrenceIsItsDefinition) {
   for (std::size_t k = 0; k < 16; ++k) recurrence.flow[k] = 0.4 * numbers[k];
   for (std::size_t k = 0; k < 8; ++k) recurrence.input[k] = numbers[16 + k];
   for (std::size_t k = 0; k < 4; ++k) recurrence.output[k] = numbers[24 + k];
-  double state[4] = {1.0, -2.0, 0.5, 0.25};
-  double expected[4] = {1.0, -2.0, 0.5, 0.25};
-  std::vector<double> first(kCount), second(kCount);
-  runRecurrence(recurrence, state, p.data(), q.data(), kCount, first.data(), second.data());
-  const double* out = recurrence.output;
-  for (std::size_t j = 0; j < kCount; ++j) {
-    ASSERT_NEAR(first[j], out[0] * expected[0] + out[2] * expected[2], 1e-13);
-    ASSERT_NEAR(second[j], out[1] * expected[1] + out[3] * expected[3], 1e-13);
-    double next[4];
-    for (std::size_t row = 0; row < 4; ++row) {
-      next[row] = recurrence.input[row] * p[j] + recurrence.input[4 + row] * q[j];
-      for (std::size_t k = 0; k < 4; ++k) next[row] += recurrence.flow[4 * k + row] * expected[k];
+  for (const std::size_t count : {kCount, kCount - 1, std::size_t{1}}) {
+    double state[4] = {1.0, -2.0, 0.5, 0.25};
+    double expected[4] = {1.0, -2.0, 0.5, 0.25};
+    std::vector<double> first(kCount), second(kCount);
+    runRecurrence(recurrence, state, p.data(), q.data(), count, first.data(), second.data());
+    const double* out = recurrence.output;
+    for (std::size_t j = 0; j < count; ++j) {
+      ASSERT_NEAR(first[j], out[0] * expected[0] + out[2] * expected[2], 1e-13);
+      ASSERT_NEAR(second[j], out[1] * expected[1] + out[3] * expected[3], 1e-13);
+      double next[4];
+      for (std::size_t row = 0; row < 4; ++row) {
+        next[row] = recurrence.input[row] * p[j] + recurrence.input[4 + row] * q[j];
+        for (std::size_t k = 0; k < 4; ++k) next[row] += recurrence.flow[4 * k + row] * expected[k];
+      }
+      std::copy(next, next + 4, expected);
     }
-    std::copy(next, next + 4, expected);
+    for (std::size_t row = 0; row < 4; ++row) EXPECT_NEAR(state[row], expected[row], 1e-13);
   }
-  for (std::size_t row = 0; row < 4; ++row) EXPECT_NEAR(state[row], expected[row], 1e-13);
 }
 
 TEST(VectorKernels, WeightedSumIsTheScalarProduct) {
@@ -149,6 +152,18 @@ TEST(VectorKernels, WeightedSumIsTheScalarProduct) {
     sum += static_cast<long double>(weights[j]) * values[j];
   }
   EXPECT_NEAR(weightedSum(weights.data(), values.data(), kCount), static_cast<double>(sum), 1e-14);
+}
+
+TEST(VectorKernels, SumTakesAnyCountAndShowsWhatIsNotFinite) {
+  std::vector<double> values = randomNumbers(15);
+  for (const std::size_t count : {std::size_t{1}, std::size_t{200}, kCount}) {
+    long double sum = 0.0L;
+    for (std::size_t j = 0; j < count; ++j) sum += values[j];
+    EXPECT_NEAR(sumOf(values.data(), count), static_cast<double>(sum), 1e-13);
+  }
+  values[199] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(std::isfinite(sumOf(values.data(), 200)));
+  EXPECT_TRUE(std::isfinite(sumOf(values.data(), 199)));
 }
 
 }  // namespace

@@ -20,9 +20,14 @@ using Four = double __attribute__((vector_size(32)));
 inline void load(const double* from, Lanes& lanes) { std::memcpy(&lanes, from, sizeof lanes); }
 inline void store(const Lanes& lanes, double* to) { std::memcpy(to, &lanes, sizeof lanes); }
 
-inline double sumOf(const Lanes& low, const Lanes& high) {
+inline double sumOfLanes(const Lanes& low, const Lanes& high) {
   const Lanes sum = low + high;
   return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+}
+
+// sum += matrix v, the matrix by columns.
+inline void addProduct(const Four* matrix, const Four& v, Four& sum) {
+  sum = (matrix[0] * v[0] + matrix[1] * v[1]) + (matrix[2] * v[2] + (matrix[3] * v[3] + sum));
 }
 
 // The lanes of a phasor that turns by `step` a sample, and its turn by two registers.
@@ -120,38 +125,34 @@ void mixDown(const double* x, const double* y, double phase, double step, std::s
     load(from_y + kWidth, y1);
     load(weights + j, w0);
     load(weights + j + kWidth, w1);
-    const Lanes xr0 = x0 * phasor.cosine0;
-    const Lanes xr1 = x1 * phasor.cosine1;
-    const Lanes xi0 = x0 * phasor.sine0;
-    const Lanes xi1 = x1 * phasor.sine1;
-    const Lanes yr0 = y0 * phasor.cosine0;
-    const Lanes yr1 = y1 * phasor.cosine1;
-    const Lanes yi0 = y0 * phasor.sine0;
-    const Lanes yi1 = y1 * phasor.sine1;
+    const Lanes wc0 = w0 * phasor.cosine0;
+    const Lanes wc1 = w1 * phasor.cosine1;
+    const Lanes ws0 = w0 * phasor.sine0;
+    const Lanes ws1 = w1 * phasor.sine1;
+    sum_xr0 += wc0 * x0;
+    sum_xr1 += wc1 * x1;
+    sum_xi0 += ws0 * x0;
+    sum_xi1 += ws1 * x1;
+    sum_yr0 += wc0 * y0;
+    sum_yr1 += wc1 * y1;
+    sum_yi0 += ws0 * y0;
+    sum_yi1 += ws1 * y1;
     if (j + kKernelLanes > kept_from) {
-      store(xr0, mixed_x_real + j);
-      store(xr1, mixed_x_real + j + kWidth);
-      store(xi0, mixed_x_imaginary + j);
-      store(xi1, mixed_x_imaginary + j + kWidth);
-      store(yr0, mixed_y_real + j);
-      store(yr1, mixed_y_real + j + kWidth);
-      store(yi0, mixed_y_imaginary + j);
-      store(yi1, mixed_y_imaginary + j + kWidth);
+      store(x0 * phasor.cosine0, mixed_x_real + j);
+      store(x1 * phasor.cosine1, mixed_x_real + j + kWidth);
+      store(x0 * phasor.sine0, mixed_x_imaginary + j);
+      store(x1 * phasor.sine1, mixed_x_imaginary + j + kWidth);
+      store(y0 * phasor.cosine0, mixed_y_real + j);
+      store(y1 * phasor.cosine1, mixed_y_real + j + kWidth);
+      store(y0 * phasor.sine0, mixed_y_imaginary + j);
+      store(y1 * phasor.sine1, mixed_y_imaginary + j + kWidth);
     }
-    sum_xr0 += w0 * xr0;
-    sum_xr1 += w1 * xr1;
-    sum_xi0 += w0 * xi0;
-    sum_xi1 += w1 * xi1;
-    sum_yr0 += w0 * yr0;
-    sum_yr1 += w1 * yr1;
-    sum_yi0 += w0 * yi0;
-    sum_yi1 += w1 * yi1;
     turn(phasor);
   }
-  sums[0] = sumOf(sum_xr0, sum_xr1);
-  sums[1] = sumOf(sum_xi0, sum_xi1);
-  sums[2] = sumOf(sum_yr0, sum_yr1);
-  sums[3] = sumOf(sum_yi0, sum_yi1);
+  sums[0] = sumOfLanes(sum_xr0, sum_xr1);
+  sums[1] = sumOfLanes(sum_xi0, sum_xi1);
+  sums[2] = sumOfLanes(sum_yr0, sum_yr1);
+  sums[3] = sumOfLanes(sum_yi0, sum_yi1);
 }
 
 RING_GYRO_VECTOR_CLONES
@@ -211,17 +212,77 @@ std::size_t quantise(double step, double lowest, double highest, std::size_t cou
 RING_GYRO_VECTOR_CLONES
 void runRecurrence(const LinearRecurrence& recurrence, double* state, const double* p,
                    const double* q, std::size_t count, double* first, double* second) {
-  Four column[4], input[2], output, s;
-  for (std::size_t k = 0; k < 4; ++k) std::memcpy(&column[k], recurrence.flow + 4 * k, sizeof s);
-  for (std::size_t k = 0; k < 2; ++k) std::memcpy(&input[k], recurrence.input + 4 * k, sizeof s);
+  Four e0, e1, e2, e3, hp, hq, output, s;
+  std::memcpy(&e0, recurrence.flow, sizeof s);
+  std::memcpy(&e1, recurrence.flow + 4, sizeof s);
+  std::memcpy(&e2, recurrence.flow + 8, sizeof s);
+  std::memcpy(&e3, recurrence.flow + 12, sizeof s);
+  std::memcpy(&hp, recurrence.input, sizeof s);
+  std::memcpy(&hq, recurrence.input + 4, sizeof s);
+  std::memcpy(&output, recurrence.output, sizeof s);
+  std::memcpy(&s, state, sizeof s);
+  // Two samples at a time by the squared flow: the chain from state to state is half as long.
+  const Four e[4] = {e0, e1, e2, e3};
+  Four d0{}, d1{}, d2{}, d3{}, gp{}, gq{};
+  addProduct(e, e0, d0);
+  addProduct(e, e1, d1);
+  addProduct(e, e2, d2);
+  addProduct(e, e3, d3);
+  addProduct(e, hp, gp);
+  addProduct(e, hq, gq);
+  std::size_t j = 0;
+  for (; j + 2 <= count; j += 2) {
+    const Four read = output * s;
+    first[j] = read[0] + read[2];
+    second[j] = read[1] + read[3];
+    Four next = hp * p[j] + hq * q[j];
+    addProduct(e, s, next);
+    next *= output;
+    first[j + 1] = next[0] + next[2];
+    second[j + 1] = next[1] + next[3];
+    const Four forced = (gp * p[j] + gq * q[j]) + (hp * p[j + 1] + hq * q[j + 1]);
+    s = (d0 * s[0] + d1 * s[1]) + (d2 * s[2] + (d3 * s[3] + forced));
+  }
+  if (j < count) {
+    const Four read = output * s;
+    first[j] = read[0] + read[2];
+    second[j] = read[1] + read[3];
+    Four next = hp * p[j] + hq * q[j];
+    addProduct(e, s, next);
+    s = next;
+  }
+  std::memcpy(state, &s, sizeof s);
+}
+
+RING_GYRO_VECTOR_CLONES
+void runGapRecurrence(const LinearRecurrence& recurrence, const GapNodes& nodes, double* state,
+                      const double* p, const double* q, std::size_t count, double* first,
+                      double* second) {
+  Four e[4], h[2], u[4], v[4], hu[2], hv[2], kick[6], output, s;
+  std::memcpy(e, recurrence.flow, sizeof e);
+  std::memcpy(h, recurrence.input, sizeof h);
+  std::memcpy(u, nodes.flow[0], sizeof u);
+  std::memcpy(v, nodes.flow[1], sizeof v);
+  std::memcpy(hu, nodes.input[0], sizeof hu);
+  std::memcpy(hv, nodes.input[1], sizeof hv);
+  std::memcpy(kick, nodes.kick, sizeof kick);
   std::memcpy(&output, recurrence.output, sizeof s);
   std::memcpy(&s, state, sizeof s);
   for (std::size_t j = 0; j < count; ++j) {
     const Four read = output * s;
     first[j] = read[0] + read[2];
     second[j] = read[1] + read[3];
-    const Four forced = input[0] * p[j] + input[1] * q[j];
-    s = (column[0] * s[0] + column[1] * s[1]) + (column[2] * s[2] + (column[3] * s[3] + forced));
+    const Four volts = {p[j], q[j], p[j], q[j]};
+    Four at_two = hu[0] * p[j] + hu[1] * q[j];
+    Four at_third = hv[0] * p[j] + hv[1] * q[j];
+    Four next = h[0] * p[j] + h[1] * q[j];
+    addProduct(u, s, at_two);
+    addProduct(v, s, at_third);
+    addProduct(e, s, next);
+    const Four force_two = volts * (at_two * at_two);
+    const Four force_third = volts * (at_third * at_third);
+    addProduct(kick, force_two, next);
+    s = next + (kick[4] * force_third[0] + kick[5] * force_third[1]);
   }
   std::memcpy(state, &s, sizeof s);
 }
@@ -239,7 +300,24 @@ double weightedSum(const double* weights, const double* values, std::size_t coun
     sum0 += w0 * v0;
     sum1 += w1 * v1;
   }
-  return sumOf(sum0, sum1);
+  return sumOfLanes(sum0, sum1);
+}
+
+RING_GYRO_VECTOR_CLONES
+double sumOf(const double* values, std::size_t count) {
+  Lanes sum0{};
+  Lanes sum1{};
+  std::size_t j = 0;
+  for (; j + kKernelLanes <= count; j += kKernelLanes) {
+    Lanes v0, v1;
+    load(values + j, v0);
+    load(values + j + kWidth, v1);
+    sum0 += v0;
+    sum1 += v1;
+  }
+  double sum = sumOfLanes(sum0, sum1);
+  for (; j < count; ++j) sum += values[j];
+  return sum;
 }
 
 }  // namespace ring_gyro

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/vector_kernels.h"
 
 namespace ring_gyro {
 namespace {
@@ -102,7 +103,8 @@ bool ControlLoops::samplesUsable(const DisplacementBlock& block) const {
   const Eigen::Map<const Eigen::ArrayXd> x(block.x.data(), converter_.block_samples);
   const Eigen::Map<const Eigen::ArrayXd> y(block.y.data(), converter_.block_samples);
   // A finite sum has finite terms; the slow look is for sums that overflow.
-  return std::isfinite(x.sum() + y.sum()) || (x.allFinite() && y.allFinite());
+  return std::isfinite(sumOf(x.data(), samples) + sumOf(y.data(), samples)) ||
+         (x.allFinite() && y.allFinite());
 }
 
 const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {

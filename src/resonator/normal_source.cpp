@@ -108,8 +108,11 @@ void drawNormals(std::uint32_t* state, float* normals, std::size_t count) {
 }
 
 RING_GYRO_VECTOR_CLONES
-void addScaled(const float* normals, double sigma, std::size_t count, double* samples) {
-  for (std::size_t k = 0; k < count; ++k) samples[k] += sigma * static_cast<double>(normals[k]);
+void addScaled(const double* samples, const float* normals, double sigma, std::size_t count,
+               double* sums) {
+  for (std::size_t k = 0; k < count; ++k) {
+    sums[k] = samples[k] + sigma * static_cast<double>(normals[k]);
+  }
 }
 
 // Fills the states from one seed, as the authors of xoshiro advise (splitmix64).
@@ -137,12 +140,12 @@ double NormalSource::next() {
   return static_cast<double>(batch_[used_++]);
 }
 
-void NormalSource::addTo(double* samples, std::size_t count, double sigma) {
+void NormalSource::addTo(const double* samples, std::size_t count, double sigma, double* sums) {
   std::size_t done = 0;
   while (done < count) {
     if (used_ == kBatch) refill();
     const std::size_t run = std::min(count - done, kBatch - used_);
-    addScaled(batch_.data() + used_, sigma, run, samples + done);
+    addScaled(samples + done, batch_.data() + used_, sigma, run, sums + done);
     done += run;
     used_ += run;
   }

@@ -161,11 +161,11 @@ class PlantSimulator::Implementation {
     forced_ = resonator_.steadyMotion(force_, command_.reference_frequency);
     const bool held = parameters_.drive.zero_order_hold;
     if (held) holdDrive();
-    const bool linear = sampled_.isLinear() && rotation_.isConstant(begin, begin + duration);
-    if (linear && !held) {
+    const bool constant = rotation_.isConstant(begin, begin + duration);
+    if (constant && !held && sampled_.isLinear()) {
       moveBlock(duration);
     } else {
-      if (linear) {
+      if (constant && held && sampled_.canMoveHeld()) {
         moveHeld();
       } else {
         integrateSamples(begin, profile_rate);
@@ -306,18 +306,24 @@ class PlantSimulator::Implementation {
       applyAxisErrors({p.cubic, 0.0, sense_scale_.data()}, padded_, x_.data(), y_.data());
     }
     if (p.feedthrough != 0.0) addFeedthrough();
-    if (p.noise_density > 0.0) {
-      noise_.addTo(x_.data(), samples_, p.noise_density * sample_sigma_);
-      noise_.addTo(y_.data(), samples_, p.noise_density * sample_sigma_);
+    const double sigma = p.noise_density * sample_sigma_;
+    block_.saturated_samples = 0;
+    if (adc_.ideal() && sigma > 0.0) {
+      noise_.addTo(x_.data(), samples_, sigma, block_.x.data());
+      noise_.addTo(y_.data(), samples_, sigma, block_.y.data());
+      return;
     }
-    std::size_t saturated = 0;
+    if (sigma > 0.0) {
+      noise_.addTo(x_.data(), samples_, sigma);
+      noise_.addTo(y_.data(), samples_, sigma);
+    }
     if (!adc_.ideal()) {
       // Behind the block nothing saturates.
       std::fill(x_.data() + samples_, x_.data() + padded_, 0.0);
       std::fill(y_.data() + samples_, y_.data() + padded_, 0.0);
-      saturated = adc_.convert(x_.data(), padded_) + adc_.convert(y_.data(), padded_);
+      block_.saturated_samples = static_cast<std::uint32_t>(adc_.convert(x_.data(), padded_) +
+                                                            adc_.convert(y_.data(), padded_));
     }
-    block_.saturated_samples = static_cast<std::uint32_t>(saturated);
     std::copy_n(x_.data(), samples_, block_.x.data());
     std::copy_n(y_.data(), samples_, block_.y.data());
   }

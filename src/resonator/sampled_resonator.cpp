@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "ring_gyro/common/vector_kernels.h"
-
 namespace ring_gyro {
 
 SampledResonator::SampledResonator(const ResonatorParameters& parameters, double gap_cubic,
@@ -24,10 +22,33 @@ void SampledResonator::setLinear(const RingResonator& resonator) {
   held_half_ = rest_per_volt - half_ * rest_per_volt;
   whole_ = resonator.flow(period_);
   held_whole_ = rest_per_volt - whole_ * rest_per_volt;
+  if (gap_cubic_ != 0.0) setGapNodes(resonator, rest_per_volt);
 }
 
-bool SampledResonator::isLinear() const {
-  return parameters_.cubic_stiffness == 0.0 && gap_cubic_ == 0.0;
+void SampledResonator::setGapNodes(const RingResonator& resonator,
+                                   const Eigen::Matrix<double, 4, 2>& rest_per_volt) {
+  // Gauss-Legendre, three nodes: they lie symmetrically, so the way on from one is that to another.
+  const double spread = 0.5 * std::sqrt(0.6);
+  const double nodes[3] = {0.5 - spread, 0.5, 0.5 + spread};
+  const double weights[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+  const double w0 = parameters_.angularFrequency();
+  const Eigen::Vector4d balance(1.0, 1.0, 1.0 / w0, 1.0 / w0);
+  Eigen::Matrix4d flows[3];
+  for (int k = 0; k < 3; ++k) flows[k] = resonator.flow(nodes[k] * period_);
+  gap_nodes_ = {};
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Matrix<double, 2, 4> seen =
+        flows[k].topRows<2>() * balance.cwiseInverse().asDiagonal();
+    const Eigen::Matrix2d held = (rest_per_volt - flows[k] * rest_per_volt).topRows<2>();
+    const int half = k / 2;
+    const int lane = 2 * (k % 2);
+    Eigen::Map<Eigen::Matrix4d>(gap_nodes_.flow[half]).middleRows<2>(lane) = seen;
+    Eigen::Map<Eigen::Matrix<double, 4, 2>>(gap_nodes_.input[half]).middleRows<2>(lane) = held;
+    const Eigen::Matrix<double, 4, 2> kick = (weights[k] * period_ * drive_gain_ * gap_cubic_) *
+                                             (balance.asDiagonal() * flows[2 - k].rightCols<2>());
+    Eigen::Map<Eigen::Vector4d>(gap_nodes_.kick[2 * k]) = kick.col(0);
+    Eigen::Map<Eigen::Vector4d>(gap_nodes_.kick[2 * k + 1]) = kick.col(1);
+  }
 }
 
 void SampledResonator::moveHeld(Eigen::Vector4d& state, const double* drive_x,
@@ -43,7 +64,11 @@ void SampledResonator::moveHeld(Eigen::Vector4d& state, const double* drive_x,
   Eigen::Map<Eigen::Vector4d>(recurrence.output) << std::cos(delays[0]), std::cos(delays[1]),
       -std::sin(delays[0]), -std::sin(delays[1]);
   Eigen::Vector4d balanced = balance.asDiagonal() * state;
-  runRecurrence(recurrence, balanced.data(), drive_x, drive_y, count, x, y);
+  if (gap_cubic_ == 0.0) {
+    runRecurrence(recurrence, balanced.data(), drive_x, drive_y, count, x, y);
+  } else {
+    runGapRecurrence(recurrence, gap_nodes_, balanced.data(), drive_x, drive_y, count, x, y);
+  }
   state = balance.cwiseInverse().asDiagonal() * balanced;
 }
 

@@ -64,7 +64,22 @@ struct LinearRecurrence {
 void runRecurrence(const LinearRecurrence& recurrence, double* state, const double* p,
                    const double* q, std::size_t count, double* first, double* second);
 
+/// The same with inputs that grow with the square of a displacement u within the step, by three
+/// nodes of Gauss' rule: u = flow s + input (p, q) at the nodes in the order x1, y1, x2, y2 | x3,
+/// y3, -, -; then s gains kick_k times input times u^2 of each.
+struct GapNodes {
+  double flow[2][16];
+  double input[2][8];
+  double kick[6][4];
+};
+void runGapRecurrence(const LinearRecurrence& recurrence, const GapNodes& nodes, double* state,
+                      const double* p, const double* q, std::size_t count, double* first,
+                      double* second);
+
 /// Sum of weights[j] values[j], over kKernelLanes partial sums.
 double weightedSum(const double* weights, const double* values, std::size_t count);
+
+/// Sum of `count` values, any number of them: finite unless one is not, or it overflows.
+double sumOf(const double* values, std::size_t count);
 
 }  // namespace ring_gyro

@@ -21,7 +21,11 @@ class NormalSource {
 
   double next();
   /// Adds sigma times the next `count` numbers to `samples`.
-  void addTo(double* samples, std::size_t count, double sigma);
+  void addTo(double* samples, std::size_t count, double sigma) {
+    addTo(samples, count, sigma, samples);
+  }
+  /// The same, with the sums in `sums`.
+  void addTo(const double* samples, std::size_t count, double sigma, double* sums);
 
  private:
   static constexpr std::size_t kBatch = 16 * kLanes;

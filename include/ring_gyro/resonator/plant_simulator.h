@@ -40,10 +40,11 @@ struct PlantParameters {
 /// The gyroscope and its electronics in the time domain, one block of samples a step.
 ///
 /// Linear resonator, rate constant in the block: exact, in one piece with an ideal modulator
-/// (RingResonator), sample by sample with a held drive. Cubic stiffness, a drive that grows with
-/// the displacement, or a rate that varies within the block: integrated sample by sample on the
-/// exact linear flow (SampledResonator), error below 1e-7 over a second. Same seed, same commands:
-/// same samples.
+/// (RingResonator), sample by sample with a held drive. Cubic stiffness, a gap that closes, or a
+/// rate that varies within the block: sample by sample on the exact linear flow (SampledResonator),
+/// error below 1e-7 over a second.
+///
+/// Same seed, same commands: same samples.
 class PlantSimulator {
  public:
   /// `start_ns`: time of the start of block 0 [ns], above zero. Throws std::invalid_argument naming

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "ring_gyro/common/vector_kernels.h"
 #include "ring_gyro/resonator/drive_force.h"
 #include "ring_gyro/resonator/resonator_parameters.h"
 #include "ring_gyro/resonator/ring_resonator.h"
@@ -38,15 +39,20 @@ class SampledResonator {
   void setLinear(const RingResonator& resonator);
 
   /// Whether there is nothing but linear motion while the rate is constant.
-  bool isLinear() const;
+  bool isLinear() const { return parameters_.cubic_stiffness == 0.0 && gap_cubic_ == 0.0; }
+  /// Whether moveHeld() can be used while the rate is constant.
+  bool canMoveHeld() const { return parameters_.cubic_stiffness == 0.0; }
 
   /// One sample period from `time` [s]; `extra_rate(t)` [rad/s] is what the rate of the case
   /// exceeds the one set in the resonator by.
   Eigen::Vector4d step(const Eigen::Vector4d& state, const SampleDrive& drive, double time,
                        const std::function<double(double)>& extra_rate) const;
 
-  /// `count` sample periods of linear motion under the held drives `drive_x`, `drive_y` [V], exact;
-  /// moves `state` and gives the displacements at the samples, delayed by `delays` [rad] of w0.
+  /// `count` sample periods under the held drives `drive_x`, `drive_y` [V]; moves `state` and gives
+  /// the displacements at the samples, delayed by `delays` [rad] of w0. Linear motion is exact.
+  /// What the gap adds to the drive is taken along the linear motion of each sample period, by
+  /// Gauss' rule: it moves the ring by some 1e-7 of the orbit in that time, so that its effect on
+  /// itself is nothing.
   void moveHeld(Eigen::Vector4d& state, const double* drive_x, const double* drive_y,
                 std::size_t count, const Eigen::Vector2d& delays, double* x, double* y) const;
 
@@ -57,6 +63,8 @@ class SampledResonator {
   Eigen::Vector4d substep(const Eigen::Vector4d& state, const SampleDrive& drive, double phase,
                           double next_phase, double time,
                           const std::function<double(double)>& extra_rate) const;
+  void setGapNodes(const RingResonator& resonator,
+                   const Eigen::Matrix<double, 4, 2>& rest_per_volt);
   Eigen::Vector4d rest(const Eigen::Vector4d& state, double extra_rate,
                        const Eigen::Vector2d& volts) const;
 
@@ -70,6 +78,7 @@ class SampledResonator {
   Eigen::Matrix<double, 4, 2> held_half_;  // response to a held drive over h/2
   Eigen::Matrix4d whole_;                  // the same over a sample period
   Eigen::Matrix<double, 4, 2> held_whole_;
+  GapNodes gap_nodes_;  // of moveHeld
 };
 
 }  // namespace ring_gyro
