@@ -16,7 +16,9 @@ def pairs(path):
     """Elements and gains of each block that is locked."""
     waiting = {}
     with rosbag.Bag(path) as bag:
-        for topic, message, _ in bag.read_messages(topics=["/orbital_elements", "/control_gains"]):
+        topics = [topic for topic in bag.get_type_and_topic_info().topics
+                  if topic.endswith(("orbital_elements", "control_gains"))]
+        for topic, message, _ in bag.read_messages(topics=topics):
             other = waiting.pop(message.sequence, None)
             if other is None:
                 waiting[message.sequence] = (topic, message)

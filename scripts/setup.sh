@@ -3,6 +3,7 @@
 # Sourced it sets the environment too. Its argument:
 #   --run    what building and running need
 #   --tests  what the tests need besides (as without an argument)
+#   --benchmark  what scripts/benchmark.sh needs besides --run
 # Debian 12 (ROS from Debian's own packages) or Ubuntu 20.04 (ROS Noetic, /opt/ros/noetic).
 
 setup_fail() {
@@ -10,7 +11,7 @@ setup_fail() {
   return 1
 }
 
-setup_packages() { # tests: yes or no
+setup_packages() { # tests: yes or no; benchmark: yes or no
   local id version
   # shellcheck source=/dev/null
   id=$(. /etc/os-release && printf '%s' "$ID")
@@ -37,7 +38,9 @@ setup_packages() { # tests: yes or no
       return 1
       ;;
   esac
-  [ "$1" = no ] || printf '%s\n' libgtest-dev clang-format
+  [ "$1" = no ] || printf '%s\n' libgtest-dev clang-format parallel
+  # The Octave of Debian and Ubuntu holds octave-cli.
+  [ "$2" = no ] || printf '%s\n' libbenchmark-dev octave util-linux
 }
 
 setup_missing() { # packages... ; prints those that are not installed
@@ -60,13 +63,14 @@ setup_apt() {
 }
 
 setup_main() {
-  local tests list
+  local tests benchmark=no list
   local -a packages missing
   case "${1:---tests}" in
     --run) tests=no ;;
     --tests) tests=yes ;;
+    --benchmark) tests=no benchmark=yes ;;
     *)
-      setup_fail "unknown argument $1 (usage: setup.sh [--run | --tests])"
+      setup_fail "unknown argument $1 (usage: setup.sh [--run | --tests | --benchmark])"
       return 1
       ;;
   esac
@@ -74,7 +78,7 @@ setup_main() {
     setup_fail "apt-get is needed (Debian 12 or Ubuntu 20.04)"
     return 1
   }
-  list=$(setup_packages "$tests") || return 1
+  list=$(setup_packages "$tests" "$benchmark") || return 1
   mapfile -t packages <<<"$list"
   list=$(setup_missing "${packages[@]}")
   if [ -n "$list" ]; then

@@ -169,7 +169,7 @@ AxesRates AveragedModel::axesRates(const Orbit& orbit, const DeviceParameters& d
   return result;
 }
 
-RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN AxesStep
+RING_GYRO_FLATTEN AxesStep
 AveragedModel::axesStep(const Orbit& orbit, const DeviceParameters& device,
                         const AveragedInput& input, double duration) const {
   const AxesDynamics dynamics(*this, orbit, input);

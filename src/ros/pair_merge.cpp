@@ -20,21 +20,41 @@ bool reached(const Waiting& waiting, std::uint32_t session) {
 }  // namespace
 
 template <typename Signal>
-bool PairMerge::take(Topic<Signal>& topic, const Signal& signal) {
+bool PairMerge::usable(Topic<Signal>& topic, const Signal& signal) {
   const StampOrder order = topic.guard.check(signal.stamp);
   if (!isUsable(order)) return false;
   if (order == StampOrder::kNewSession) topic.steps_back = 0;
   if (order == StampOrder::kStepBack) ++topic.steps_back;
-  topic.waiting.push_back({signal, topic.steps_back});
   return true;
 }
 
 void PairMerge::add(const OrbitalElements& elements) {
-  if (take(elements_, elements)) merge();
+  if (!usable(elements_, elements)) return;
+  if (elements_.waiting.empty() && !gains_.waiting.empty() &&
+      sameBlock(elements.stamp, gains_.waiting.front().signal.stamp)) {
+    const ControlGains gains = gains_.waiting.front().signal;
+    gains_.waiting.pop_front();
+    ++counts_.pairs;
+    sink_(elements, gains);
+    return;
+  }
+  elements_.waiting.push_back({elements, elements_.steps_back});
+  merge();
 }
 
+/// The partner mostly waits already: then nothing has to be queued.
 void PairMerge::add(const ControlGains& gains) {
-  if (take(gains_, gains)) merge();
+  if (!usable(gains_, gains)) return;
+  if (gains_.waiting.empty() && !elements_.waiting.empty() &&
+      sameBlock(elements_.waiting.front().signal.stamp, gains.stamp)) {
+    const OrbitalElements elements = elements_.waiting.front().signal;
+    elements_.waiting.pop_front();
+    ++counts_.pairs;
+    sink_(elements, gains);
+    return;
+  }
+  gains_.waiting.push_back({gains, gains_.steps_back});
+  merge();
 }
 
 void PairMerge::emit() {

@@ -54,7 +54,7 @@ class PairMerge {
   };
 
   template <typename Signal>
-  bool take(Topic<Signal>& topic, const Signal& signal);
+  bool usable(Topic<Signal>& topic, const Signal& signal);
   enum class Older { kElements, kGains, kNotYetKnown };
   Older older() const;
   void merge();
