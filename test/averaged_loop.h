@@ -58,8 +58,8 @@ class AveragedLoop {
   /// The true orbit at the end of the last block.
   const Orbit& orbit() const { return orbit_; }
   void setCompensation(const DampingCompensation& gains) { options_.compensation = gains; }
-  void setVirtualRate(double rate) { options_.virtual_rate = rate; }    ///< [rad/s]
-  void setRotationRate(double rate) { options_.rotation_rate = rate; }  ///< k Om [rad/s]
+  void setVirtualRate(double rate) { options_.virtual_rate = rate; }       ///< [rad/s]
+  void setRotationRate(double rate) { options_.rotation_rate = rate; }     ///< k Om [rad/s]
   void setAmplitude(double amplitude) { options_.amplitude = amplitude; }  ///< setpoint of a [V]
 
   Output step() {
@@ -135,7 +135,8 @@ class AveragedLoop {
         kTwoPi * options_.natural_frequency + loop(measured_.phi + kPi / 2, phase_integral_);
     const double force_per_rate = 2.0 * w / options_.device.drive_gain;
     DriveGains gains;
-    gains.sustain_force = force_per_rate * loop(options_.amplitude - measured_.a, amplitude_integral_);
+    gains.sustain_force =
+        force_per_rate * loop(options_.amplitude - measured_.a, amplitude_integral_);
     gains.alpha = force_per_rate * loop(measured_.b, quadrature_integral_);
     gains.virtual_rate = options_.virtual_rate;
     gains.compensation = options_.compensation;

@@ -25,8 +25,8 @@ Drift driftWith(const char* name, const std::vector<std::string>& errors) {
                                        "control/compensated_gamma1=0.035",
                                        "control/compensated_gamma2=-0.006"};
   settings.insert(settings.end(), errors.begin(), errors.end());
-  const LoopConfiguration configuration = readConfigurationFile(
-      std::string(RING_GYRO_CONFIG_DIR) + "/paper_experiment.yaml", settings);
+  const LoopConfiguration configuration =
+      readConfigurationFile(std::string(RING_GYRO_CONFIG_DIR) + "/paper_experiment.yaml", settings);
   ClosedLoop loop(configuration);
   std::vector<AngleSample> samples;
   while (loop.time() < 45.0) {  // a turn takes 30 s

@@ -6,8 +6,11 @@
 namespace ring_gyro {
 
 EnvelopeFilter::EnvelopeFilter(const EnvelopeModel& model, double sample_variance,
-                               double rate_density)
-    : model_(model), sample_variance_(sample_variance), rate_density_(rate_density) {
+                               double sample_duration, double rate_density)
+    : model_(model),
+      sample_variance_(sample_variance),
+      sample_duration_(sample_duration),
+      rate_density_(rate_density) {
   const Eigen::Index size = model_.state().size();
   scale_.setOnes(size);
   value_.setZero(size);
@@ -40,6 +43,7 @@ void EnvelopeFilter::abandon() {
   sensitivity_.leftCols<4>().setIdentity();
   elapsed_ = 0.0;
   samples_ = 0;
+  nominal_density_ = -1.0;
   predicted_sum_.setZero();
   measured_sum_.setZero();
   sensitivity_sum_.setZero(4, size);
@@ -53,30 +57,43 @@ void EnvelopeFilter::linearise(const ExtendedVector& nominal) {
   at_estimate_ = false;
 }
 
-bool EnvelopeFilter::isLinearOver(double duration, int samples, const EnvelopeInput& input) const {
-  if (!at_estimate_) return true;
-  const Eigen::Index parameters = value_.size() - 4;
-  const EnvelopeSensitivity rate = model_.rateByParameters(value_.head<4>(), value_, input) *
-                                   scale_.tail(parameters).asDiagonal();
-  // How far the rate is off, and how far the matrix that acts on an error of the envelope: of the
-  // latter, correlations between parameters are no help.
-  const double rate_variance =
-      (rate * covariance_.bottomRightCorner(parameters, parameters) * rate.transpose()).trace();
+double EnvelopeFilter::matrixSigma(const EnvelopeInput& input) const {
+  return std::sqrt(matrixSquare(covariance_.diagonal().cwiseProduct(scale_.cwiseAbs2()), input));
+}
+
+double EnvelopeFilter::matrixMoved(const EnvelopeInput& input) const {
+  return at_estimate_ ? 0.0 : std::sqrt(matrixSquare((value_ - nominal_).cwiseAbs2(), input));
+}
+
+double EnvelopeFilter::matrixSquare(const ExtendedVector& squares,
+                                    const EnvelopeInput& input) const {
+  const EnvelopeSensitivity rate = model_.rateByParameters(value_.head<4>(), value_, input);
   const ExtendedState::Layout& at = model_.state().layout();
-  double matrix_variance = 0.0;
-  for (Eigen::Index k = 0; k < parameters; ++k) {
+  double sum = 0.0;
+  for (Eigen::Index k = 0; k < rate.cols(); ++k) {
     const Eigen::Index state = k + 4;
     const bool of_drive =
         state == at.drive_gain || state == at.drive_phase ||
         (at.mismatch >= 0 && state >= at.mismatch && state < at.mismatch + 4) ||
         (at.drive_rotation >= 0 && state >= at.drive_rotation && state < at.drive_rotation + 2);
-    if (!of_drive) matrix_variance += rate.col(k).squaredNorm() * covariance_(state, state);
+    if (!of_drive) sum += rate.col(k).squaredNorm() * squares[state];
   }
-  matrix_variance /= value_.head<4>().squaredNorm();
+  return sum / value_.head<4>().squaredNorm();
+}
+
+bool EnvelopeFilter::isLinearOver(double duration, int samples, const EnvelopeInput& input) const {
+  if (!at_estimate_) return true;
+  const Eigen::Index parameters = value_.size() - 4;
+  // How far the rate is off, and how far the matrix that acts on an error of the envelope: of the
+  // latter, correlations between parameters are no help.
+  const EnvelopeSensitivity rate = model_.rateByParameters(value_.head<4>(), value_, input) *
+                                   scale_.tail(parameters).asDiagonal();
+  const double rate_variance =
+      (rate * covariance_.bottomRightCorner(parameters, parameters) * rate.transpose()).trace();
   const double envelope_sigma =
       std::sqrt(covariance_.diagonal().head<4>().cwiseProduct(scale_.head<4>().cwiseAbs2()).sum());
   const double off = envelope_sigma + 0.5 * std::sqrt(rate_variance) * duration;
-  const double neglected = off * std::sqrt(matrix_variance) * duration;
+  const double neglected = off * matrixSigma(input) * duration;
   return neglected < 0.1 * std::sqrt(sample_variance_ / samples);
 }
 
@@ -85,6 +102,11 @@ void EnvelopeFilter::step(const EnvelopeInput& input, const Eigen::Vector4d& mea
   if (at_estimate_) {
     model_.step(envelope_, value_, {envelope_, value_}, input, duration, step_);
   } else {
+    if (nominal_density_ < 0.0) {
+      const ExtendedVector squares =
+          (value_ - nominal_).cwiseAbs2() + covariance_.diagonal().cwiseProduct(scale_.cwiseAbs2());
+      nominal_density_ = sample_variance_ * sample_duration_ * matrixSquare(squares, input);
+    }
     const Eigen::Vector4d middle = model_.undistorted(measured, nominal_);
     model_.step(envelope_, value_, {middle, nominal_}, input, duration, step_);
   }
@@ -94,7 +116,9 @@ void EnvelopeFilter::step(const EnvelopeInput& input, const Eigen::Vector4d& mea
   sensitivity_.rightCols(value_.size() - 4) += step_.by_parameters;
   const Eigen::Matrix4d carried = step_.transition * noise_end_;
   noise_end_.noalias() = carried * step_.transition.transpose();
-  noise_end_.diagonal().array() += duration * rate_density_;
+  double density = rate_density_;
+  if (!at_estimate_) density += nominal_density_;
+  noise_end_.diagonal().array() += duration * density;
   const Eigen::Matrix4d carried_sum = step_.transition * noise_end_sum_;
   noise_end_sum_ = carried_sum;
   elapsed_ += duration;

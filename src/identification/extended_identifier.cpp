@@ -44,6 +44,19 @@ constexpr double kCubicFound = 2e-4;
 constexpr double kCubicOff = 4e-4;
 constexpr double kCubicSharp = 2e-5;
 
+// Of the sigmas found in one pass when they are the prior of the next.
+constexpr double kWidening = 10.0;
+// A pass takes at least so many periods; a parameter is found when its sigma is below this share of
+// its prior.
+constexpr int kLeastPeriods = 10;
+constexpr double kFoundShare = 0.1;
+// Sigma of the matrix of the rates, of the decay rate, with which linearising at the estimate is
+// safe.
+constexpr double kMatrixSharp = 0.005;
+// How near the estimate must be to where the pass was linearised, of the decay rate, for the pass
+// to stand.
+constexpr double kMatrixNear = 0.05;
+
 }  // namespace
 
 double ExtendedEstimate::sigma(Eigen::Index state) const {
@@ -59,7 +72,7 @@ ExtendedIdentifier::ExtendedIdentifier(const ExtendedParameters& parameters,
       sample_sigma_(parameters.noise_density / std::sqrt(block_duration_)),
       // Demodulation gives each quadrature the two-sided density N^2; the moving average in it
       // makes samples of that variance over the block.
-      filter_(EnvelopeModel(state_), square(sample_sigma_),
+      filter_(EnvelopeModel(state_), square(sample_sigma_), block_duration_,
               square(parameters.envelope_process_noise)),
       chain_(converter.blockDurationNanoseconds()) {}
 
@@ -95,8 +108,8 @@ void ExtendedIdentifier::restart(const BlockStamp& stamp) {
   used_ = rejected_ = lost_ = 0;
   chain_.reset();
   scaled_ = chained_ = complete_ = false;
-  cubic_settled_ = false;
-  first_pass_ = true;
+  settled_ = false;
+  passes_ = 0;
   blocks_in_period_ = 0;
   lowest_theta_ = highest_theta_ = 0.0;
 }
@@ -181,7 +194,7 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
   ExtendedEstimate estimate;
   bool used = false;
   if (complete_ && scaled_) {
-    if (!filter_.linearisesAtEstimate()) reconsiderCubic();
+    reconsider(stamp.sequence);
     used = estimate.updated = true;
     estimate.innovation = update_.innovation;
     estimate.innovation_covariance = update_.innovation_covariance;
@@ -206,7 +219,7 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
   estimate.rejected_blocks = rejected_;
   estimate.lost_blocks = lost_;
   estimate.scaled = scaled_;
-  estimate.settled = scaled_ && (cubic_settled_ || state_.layout().pickoff_cubic < 0);
+  estimate.settled = scaled_ && settled_;
   estimate.angle_covered = highest_theta_ - lowest_theta_;
   estimate.value.setZero(state_.size());
   estimate.covariance.setZero(state_.size(), state_.size());
@@ -220,21 +233,61 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
   return estimate;
 }
 
-void ExtendedIdentifier::reconsiderCubic() {
-  const int at = state_.layout().pickoff_cubic;
-  const ExtendedVector value = filter_.value();
-  const double square_amplitude = value.head<4>().squaredNorm();
-  const double sigma = square_amplitude * std::sqrt(filter_.covariance()(at, at));
-  if (cubic_settled_) {
-    if (sigma < kCubicSharp) filter_.lineariseAtEstimate();
+void ExtendedIdentifier::reconsider(std::uint64_t sequence) {
+  if (filter_.linearisesAtEstimate()) return;
+  const ExtendedVector& value = filter_.value();
+  const int cubic = state_.layout().pickoff_cubic;
+  double cubic_sigma = 0.0;
+  double cubic_moved = 0.0;
+  if (cubic >= 0) {
+    const double square_amplitude = value.head<4>().squaredNorm();
+    cubic_sigma = square_amplitude * std::sqrt(filter_.covariance()(cubic, cubic));
+    cubic_moved = square_amplitude * std::abs(value[cubic] - cubic_at_start_);
+  }
+  EnvelopeInput input;
+  const BlockChain::Block& now = chain_.block(sequence);
+  input.drive = now.drive;
+  input.reference_frequency = now.reference_frequency;
+  input.theta = now.orbit.theta;
+  input.rotation_rate = now.rotation_rate;
+  const bool sharp = filter_.matrixSigma(input) < kMatrixSharp * state_.decayRate(value);
+  if (settled_) {
+    if (sharp && cubic_sigma < kCubicSharp) filter_.lineariseAtEstimate();
     return;
   }
-  if (sigma > kCubicFound) return;
-  const double moved = square_amplitude * std::abs(value[at] - cubic_at_start_);
-  cubic_settled_ = !first_pass_ && moved < kCubicOff;
-  if (cubic_settled_) return;
-  first_pass_ = false;
-  start(state_.physical(value));
+  if (++periods_of_pass_ < kLeastPeriods) return;
+  if (passes_ > 0 && (!sharp || cubic_sigma > kCubicFound)) return;
+  const bool near = filter_.matrixMoved(input) < kMatrixNear * state_.decayRate(value);
+  settled_ = passes_ > 0 && near && cubic_moved < kCubicOff;
+  ++passes_;
+  if (!settled_) startAgain();
+}
+
+/// The parameters start once more from what was known before any data, so that nothing counts
+/// twice, but for mu and f0, whose prior says next to nothing. Linearised at what was found, as far
+/// as it was.
+void ExtendedIdentifier::startAgain() {
+  const ExtendedState::Layout& at = state_.layout();
+  const ExtendedVector found = state_.physical(filter_.value());
+  const ExtendedMatrix slope = state_.physicalByLinear(filter_.value());
+  const ExtendedVector found_sigma =
+      (slope * filter_.covariance() * slope.transpose()).diagonal().cwiseSqrt();
+  ExtendedVector value = first_value_;
+  ExtendedVector sigma = first_sigma_;
+  const auto keep = [&](int state) {
+    if (state < 0) return;
+    value[state] = found[state];
+    sigma[state] = std::min(sigma[state], kWidening * found_sigma[state]);
+  };
+  keep(at.mu);
+  keep(at.mu + 1);
+  keep(at.frequency);
+  ExtendedVector nominal = value;
+  for (Eigen::Index k = 4; k < nominal.size(); ++k) {
+    if (found_sigma[k] < kFoundShare * first_sigma_[k]) nominal[k] = found[k];
+  }
+  value.head<4>() = found.head<4>();
+  start(value, sigma, nominal);
 }
 
 bool ExtendedIdentifier::setScale(std::uint64_t sequence) {
@@ -243,29 +296,28 @@ bool ExtendedIdentifier::setScale(std::uint64_t sequence) {
   const double drive_gain = value[state_.layout().drive_gain];
   if (!(look.drive_gain > 0.0) || !std::isfinite(drive_gain)) return false;
   value.head<4>() = realParts(envelopeFromOrbit(chain_.block(sequence).orbit));
-  start(value);
+  first_value_ = value;
+  first_sigma_ = priorSigma(state_, parameters_, value);
+  first_sigma_.head<4>().setConstant(restartSigma(value.head<4>().norm()));
+  start(value, first_sigma_, value);
   return true;
 }
 
-void ExtendedIdentifier::start(const ExtendedVector& physical) {
-  const ExtendedState::Layout& at = state_.layout();
-  ExtendedVector sigma = priorSigma(state_, parameters_, physical);
-  sigma.head<4>().setConstant(restartSigma(physical.head<4>().norm()));
-  const ExtendedMatrix slope = state_.linearByPhysical(physical);
+void ExtendedIdentifier::start(const ExtendedVector& value, const ExtendedVector& sigma,
+                               const ExtendedVector& nominal) {
+  const ExtendedMatrix slope = state_.linearByPhysical(value);
   const ExtendedMatrix prior = slope * sigma.cwiseAbs2().asDiagonal() * slope.transpose();
   ExtendedVector scale = slope.cwiseAbs() * sigma;
   scale.head<4>().setOnes();
-  ExtendedVector growth =
-      slope.cwiseAbs2() * parameterWalk(state_, parameters_, physical).cwiseAbs2();
+  ExtendedVector growth = slope.cwiseAbs2() * parameterWalk(state_, parameters_, value).cwiseAbs2();
   growth.head<4>().setZero();
-  const ExtendedVector linear = state_.linear(physical);
-  filter_.initialise(linear, prior, scale, growth);
+  filter_.initialise(state_.linear(value), prior, scale, growth);
   scaled_ = true;
   chained_ = false;
-  if (at.pickoff_cubic >= 0) {
-    cubic_at_start_ = physical[at.pickoff_cubic];
-    filter_.linearise(linear);
-  }
+  periods_of_pass_ = 0;
+  const int cubic = state_.layout().pickoff_cubic;
+  if (cubic >= 0) cubic_at_start_ = nominal[cubic];
+  filter_.linearise(state_.linear(nominal));
 }
 
 }  // namespace ring_gyro

@@ -51,9 +51,9 @@ class Demodulator {
  private:
   ConverterParameters converter_;
   std::vector<double> taps_;
-  std::size_t samples_;          // of a block
-  std::size_t earlier_;          // mixed samples kept of earlier blocks, whole lanes
-  AlignedVector weights_;        // taps, zeros before and behind them
+  std::size_t samples_;    // of a block
+  std::size_t earlier_;    // mixed samples kept of earlier blocks, whole lanes
+  AlignedVector weights_;  // taps, zeros before and behind them
   // Re X, Im X, Re Y, Im Y: of the earlier samples, then of those of the block that are kept.
   std::array<AlignedVector, 4> mixed_;
 };

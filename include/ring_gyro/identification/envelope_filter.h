@@ -20,9 +20,11 @@ struct EnvelopeUpdate {
 /// allocate.
 class EnvelopeFilter {
  public:
-  /// `sample_variance`: of each part of the envelope in a sample, white [V^2]; `rate_density`: of
+  /// `sample_variance`: of each part of the envelope in a sample over
+  /// `sample_duration` [s], white [V^2]; `rate_density`: of
   /// each part of its rate, white, two-sided [V^2/s].
-  EnvelopeFilter(const EnvelopeModel& model, double sample_variance, double rate_density);
+  EnvelopeFilter(const EnvelopeModel& model, double sample_variance, double sample_duration,
+                 double rate_density);
 
   /// Forgets everything and starts an interval. `scale`: typical size of each state, above zero;
   /// `walk`: variance growth of the states [unit^2/s]. All in linear coordinates.
@@ -46,6 +48,11 @@ class EnvelopeFilter {
 
   /// `measured`: envelope in the middle of the step [V]; used when not linearising at the estimate.
   void step(const EnvelopeInput& input, const Eigen::Vector4d& measured, double duration);
+  /// How uncertain the matrix is that acts on an error of the envelope, root of the sum of the
+  /// variances of its parts [1/s].
+  double matrixSigma(const EnvelopeInput& input) const;
+  /// How far the matrix at the estimate is from that where the filter is linearised [1/s].
+  double matrixMoved(const EnvelopeInput& input) const;
   /// Adds a measured envelope [V] to the interval's mean.
   void sample(const Eigen::Vector4d& measured);
   /// Ends the interval with its update and starts the next.
@@ -58,8 +65,12 @@ class EnvelopeFilter {
   const EnvelopeModel& model() const { return model_; }
 
  private:
+  /// Sum of squares of the parts of that matrix, from the squares of the parameters' errors.
+  double matrixSquare(const ExtendedVector& squares, const EnvelopeInput& input) const;
+
   EnvelopeModel model_;
   double sample_variance_;
+  double sample_duration_;
   double rate_density_;
   ExtendedVector scale_;
   ExtendedVector value_;
@@ -67,6 +78,9 @@ class EnvelopeFilter {
   ExtendedVector variance_growth_;  // of the scaled state [1/s]
   bool at_estimate_ = true;
   ExtendedVector nominal_;  // where to linearise otherwise
+  // What the noise of the measured envelope, where it is linearised, does to the rate through the
+  // error of nominal_ [V^2/s].
+  double nominal_density_ = -1.0;  // negative: to be found at the interval's first step
 
   // The running interval.
   Eigen::Vector4d envelope_;

@@ -29,8 +29,8 @@ struct ExtendedEstimate {
   double normalised_innovation_squared = 0.0;                       ///< 4 is expected
   /// Whether the whole period was one update, and the innovation that of its mean.
   bool whole_period = false;
-  /// Whether the filter will not start again for the cubic term's sake; until then innovations and
-  /// sigmas are of a first guess.
+  /// Whether the filter will not start again; until then innovations and sigmas are of a first
+  /// pass.
   bool settled = false;
   double angle_covered = 0.0;   ///< span of theta seen [rad]
   double quality_factor = 0.0;  ///< w0 / (2 xi0 w0)
@@ -45,11 +45,13 @@ struct ExtendedEstimate {
 /// only sets the scale of ks, by the balance of drive and damping, and the first f0, by the rate of
 /// phi.
 ///
-/// The model is linear in the parameters but for the cubic pick-off, which also says what the size
-/// of the orbit is. While that term is being found the filter is linearised at fixed parameters;
-/// when it is found, the filter starts again from what was found, without the data so far: once for
-/// the other parameters' sake, and on until it finds what it started from. From then on it is
-/// linearised at the estimate. Each pass takes some seconds of a turning pattern.
+/// Passes: a filter that is linearised at its own estimate believes too much, and goes astray,
+/// along directions that are hard to see. So as long as anything is uncertain it is linearised at
+/// fixed parameters and at the measured envelope, where the model is linear. After the first
+/// second, and then when everything is well known (what is hard to see at one rate: when the rate
+/// has been reversed), it starts again at what it found, from its first knowledge but for mu and
+/// f0; until a pass finds what it was linearised at. Then `settled`; linearised at the estimate
+/// when the cubic term too is well known. What never becomes well known is never settled.
 class ExtendedIdentifier {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
@@ -72,8 +74,10 @@ class ExtendedIdentifier {
   void propagate(std::uint64_t sequence);
   void breakChain();
   bool setScale(std::uint64_t sequence);
-  void reconsiderCubic();
-  void start(const ExtendedVector& physical);
+  void reconsider(std::uint64_t sequence);
+  void start(const ExtendedVector& value, const ExtendedVector& sigma,
+             const ExtendedVector& nominal);
+  void startAgain();
   ExtendedEstimate finishPeriod(const BlockStamp& stamp);
   double restartSigma(double amplitude) const;
 
@@ -93,8 +97,11 @@ class ExtendedIdentifier {
 
   bool scaled_ = false;
   double cubic_at_start_ = 0.0;  // what the filter's cubic term started from [1/V^2]
-  bool cubic_settled_ = false;
-  bool first_pass_ = true;
+  bool settled_ = false;         // will not start again
+  int passes_ = 0;
+  int periods_of_pass_ = 0;
+  ExtendedVector first_value_;  // before any data, physical coordinates
+  ExtendedVector first_sigma_;
   bool chained_ = false;    // the filter's envelope is that at the end of the last period
   bool complete_ = false;   // the present period has had nothing but usable blocks
   bool by_blocks_ = false;  // the present period is filtered block by block
