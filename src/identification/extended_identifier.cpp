@@ -44,6 +44,9 @@ constexpr double kCubicFound = 2e-4;
 constexpr double kCubicOff = 4e-4;
 constexpr double kCubicSharp = 2e-5;
 
+// Most that the envelope may turn or decay in the time of one mean.
+constexpr double kMostTurn = 0.5;
+
 // Of the sigmas found in one pass when they are the prior of the next.
 constexpr double kWidening = 10.0;
 // A pass takes at least so many periods; a parameter is found when its sigma is below this share of
@@ -152,17 +155,31 @@ void ExtendedIdentifier::gather(std::uint64_t sequence, bool first_of_period) {
     input.reference_frequency = now.reference_frequency;
     input.theta = now.orbit.theta;
     input.rotation_rate = now.rotation_rate;
+    update_blocks_ = updateBlocks();
     by_blocks_ = !filter_.isLinearOver(static_cast<double>(period_blocks_) * block_duration_,
                                        static_cast<int>(period_blocks_), input);
   }
   if (!restarted) propagate(sequence);
   filter_.sample(measured);
   const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
-  if (by_blocks_ || (sequence + 1) % period_blocks == 0) {
+  if (by_blocks_ || (sequence + 1) % period_blocks == 0 ||
+      (sequence % period_blocks + 1) % update_blocks_ == 0) {
     update_ = filter_.update();
     chained_ = update_.accepted;
     if (!update_.accepted) breakChain();
   }
+}
+
+/// A mean over a time in which the envelope turns or decays much shows little of it.
+std::uint64_t ExtendedIdentifier::updateBlocks() const {
+  const ExtendedVector& value = filter_.value();
+  const ExtendedState::Layout& at = state_.layout();
+  const double rate = state_.decayRate(value) +
+                      0.5 * state_.angularFrequency(value) * value.segment<2>(at.mu).norm();
+  const double period = static_cast<double>(period_blocks_) * block_duration_;
+  const double parts = std::ceil(rate * period / kMostTurn);
+  const double blocks = std::floor(static_cast<double>(period_blocks_) / std::max(parts, 1.0));
+  return static_cast<std::uint64_t>(std::max(blocks, 1.0));
 }
 
 void ExtendedIdentifier::propagate(std::uint64_t sequence) {

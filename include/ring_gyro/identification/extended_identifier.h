@@ -27,7 +27,8 @@ struct ExtendedEstimate {
   Eigen::Vector4d innovation = Eigen::Vector4d::Zero();             ///< of the mean envelope [V]
   Eigen::Matrix4d innovation_covariance = Eigen::Matrix4d::Zero();  ///< [V^2]
   double normalised_innovation_squared = 0.0;                       ///< 4 is expected
-  /// Whether the whole period was one update, and the innovation that of its mean.
+  /// Whether the period was filtered by means of many blocks, the innovation being that of the
+  /// last.
   bool whole_period = false;
   /// Whether the filter will not start again; until then innovations and sigmas are of a first
   /// pass.
@@ -72,6 +73,7 @@ class ExtendedIdentifier {
   void skipLost(const BlockStamp& stamp);
   void gather(std::uint64_t sequence, bool first_of_period);
   void propagate(std::uint64_t sequence);
+  std::uint64_t updateBlocks() const;
   void breakChain();
   bool setScale(std::uint64_t sequence);
   void reconsider(std::uint64_t sequence);
@@ -102,9 +104,10 @@ class ExtendedIdentifier {
   int periods_of_pass_ = 0;
   ExtendedVector first_value_;  // before any data, physical coordinates
   ExtendedVector first_sigma_;
-  bool chained_ = false;    // the filter's envelope is that at the end of the last period
-  bool complete_ = false;   // the present period has had nothing but usable blocks
-  bool by_blocks_ = false;  // the present period is filtered block by block
+  bool chained_ = false;             // the filter's envelope is that at the end of the last period
+  bool complete_ = false;            // the present period has had nothing but usable blocks
+  std::uint64_t update_blocks_ = 1;  // blocks whose mean is one update
+  bool by_blocks_ = false;           // the present period is filtered block by block
   EnvelopeUpdate update_;
   std::uint64_t blocks_in_period_ = 0;
   FirstLookSum first_look_;
