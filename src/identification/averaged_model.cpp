@@ -169,9 +169,10 @@ AxesRates AveragedModel::axesRates(const Orbit& orbit, const DeviceParameters& d
   return result;
 }
 
-RING_GYRO_FLATTEN AxesStep
-AveragedModel::axesStep(const Orbit& orbit, const DeviceParameters& device,
-                        const AveragedInput& input, double duration) const {
+RING_GYRO_FLATTEN AxesStep AveragedModel::axesStep(const Orbit& orbit,
+                                                   const DeviceParameters& device,
+                                                   const AveragedInput& input,
+                                                   double duration) const {
   const AxesDynamics dynamics(*this, orbit, input);
   const Eigen::Vector2d axes(orbit.a, orbit.b);
   const Eigen::Matrix2d matrix = dynamics.matrix(device);
