@@ -176,11 +176,12 @@ void IntervalFilter::forget(Covariance& covariance) const {
 
 RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::measureSample(
     StateVector& value, IntervalUpdate& update) {
-  Covariance& covariance = covariances_[1 - present_];
+  Covariance covariance;  // here, so that it can stay in registers
   covariances_[present_].propagate<2>(sensitivity_, noise_end_, covariance);
   Covariance::Vector correction;
   update =
       measureAxes(covariance, measured_sum_ - predicted_sum_, noise_.sample_variance, correction);
+  covariances_[1 - present_] = covariance;
   value.head<2>() = axes_ + correction.head<2>();
   value.tail<5>() = value_.tail<5>() + correction.segment<5>(2);
 }
