@@ -239,7 +239,9 @@ Outcome run(const Experiment& experiment) {
   const auto blocks = std::llround(experiment.duration / converter.blockDuration());
   for (long long n = 0; n < blocks; ++n) {
     if (experiment.virtual_rate) {
-      loops.setVirtualRate(experiment.virtual_rate(1e-3 * static_cast<double>(n)));
+      LoopSettings settings;
+      settings.virtual_rate = experiment.virtual_rate(1e-3 * static_cast<double>(n));
+      loops.setSettings(settings);
     }
     const LoopOutput& output = loops.process(*block);
     const auto estimate =

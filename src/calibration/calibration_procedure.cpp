@@ -288,7 +288,10 @@ double CalibrationProcedure::identified(const std::string& name) const {
 }
 
 void CalibrationProcedure::finishIdentification() {
-  if (!estimate_) throw std::runtime_error("no block could be used for identification");
+  if (!estimate_ || !estimate_->settled) {
+    throw std::runtime_error(
+        "the identification has not settled; raise calibration_run/identification_time");
+  }
   const auto value = [this](const char* name) { return identified(name); };
   result_.natural_frequency = value("natural_frequency");
   result_.quality_factor = kPi * result_.natural_frequency / value("decay_rate");
