@@ -118,6 +118,7 @@ double PlantSimulatorNode::behindRealTime() const {
 
 void PlantSimulatorNode::step() {
   try {
+    plant_.setRotationRate(command_.table_rate);
     publish(plant_.step(command_));
   } catch (const std::domain_error& error) {
     host_.fail(error.what());

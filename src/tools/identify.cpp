@@ -44,7 +44,7 @@ constexpr char kExitText[] =
 
 struct Arguments {
   std::vector<std::string> bags;
-  std::string configuration_file;
+  std::vector<std::string> configuration_files;
   std::vector<std::string> overrides;
   std::string json_file;
   std::string estimates_file;
@@ -67,7 +67,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   options::options_description description("identify");
   description.add_options()("help,h", "this text")("bag", options::value(&arguments.bags),
                                                    "recorded runs (or just their names)")(
-      "config,c", options::value(&arguments.configuration_file),
+      "config,c", options::value(&arguments.configuration_files)->composing(),
       "YAML file: the sections converter, device, identification and extended are used")(
       "preset", options::value(&preset), "config/NAME.yaml of this package, instead of --config")(
       "set", options::value(&arguments.overrides)->composing(),
@@ -101,7 +101,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
     return std::nullopt;
   }
   if (arguments.bags.empty()) throw options::error("no bag given; see identify --help");
-  if (!preset.empty() && !arguments.configuration_file.empty()) {
+  if (!preset.empty() && !arguments.configuration_files.empty()) {
     throw options::error("--config and --preset exclude each other; give one");
   }
   if (!preset.empty()) {
@@ -111,13 +111,14 @@ std::optional<Arguments> parse(int argc, char** argv) {
           "--preset: the package is not found; source its setup.bash, or give the "
           "file with --config");
     }
-    arguments.configuration_file = package + "/config/" + preset + ".yaml";
-    if (access(arguments.configuration_file.c_str(), R_OK) != 0) {
+    const std::string file = package + "/config/" + preset + ".yaml";
+    arguments.configuration_files = {file};
+    if (access(file.c_str(), R_OK) != 0) {
       throw options::error("no preset " + preset + "; presets are the files of " + package +
                            "/config without .yaml");
     }
   }
-  if (arguments.configuration_file.empty()) {
+  if (arguments.configuration_files.empty()) {
     throw options::error(
         "f0, Q and the block length of the device are not in a bag; add --config FILE or --preset "
         "NAME, such as --preset paper_experiment");
@@ -325,7 +326,7 @@ int main(int argc, char** argv) {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;
     const LoopConfiguration configuration =
-        readConfigurationFile(arguments->configuration_file, arguments->overrides);
+        readConfigurationFiles(arguments->configuration_files, arguments->overrides);
     Identification identification(*arguments, configuration);
     return report(identification.run(), *arguments, configuration);
   } catch (const std::exception& error) {
