@@ -22,8 +22,7 @@ struct Drift {
 
 Drift driftWith(const char* name, const std::vector<std::string>& errors) {
   std::vector<std::string> settings = {"sense/noise_density=0", "sense/cubic=0",
-                                       "control/compensated_gamma1=0.035",
-                                       "control/compensated_gamma2=-0.006"};
+                                       "calibration/gamma1=0.035", "calibration/gamma2=-0.006"};
   settings.insert(settings.end(), errors.begin(), errors.end());
   const LoopConfiguration configuration =
       readConfigurationFile(std::string(RING_GYRO_CONFIG_DIR) + "/paper_experiment.yaml", settings);
