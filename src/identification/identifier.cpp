@@ -262,6 +262,10 @@ void Identifier::gather(std::uint64_t sequence, double duration, bool first_of_p
 
 /// From where the elements of the block before are valid to where those of this block are. Both
 /// moments lie rest_of_delay_ before the end of a block; drive and frequency change in between.
+///
+/// One step takes both drives to second order: their means are those that a response which decays
+/// meets at the end of the step, for which what is late counts more, and a change of drive late in
+/// the step meets a pattern that has turned on.
 void Identifier::propagate(std::uint64_t sequence, double duration) {
   const Block& before = block(sequence - 1);
   const Block& now = block(sequence);
@@ -269,24 +273,34 @@ void Identifier::propagate(std::uint64_t sequence, double duration) {
   const Block& acted_then = block(sequence - whole_delay_);
   const double theta_change = now.orbit.theta - before.orbit.theta;
   const double phi_change = now.orbit.phi - before.orbit.phi;
+  const double decay = model_.decayRate() * duration;
+  const double middle = 0.5 + decay / 12.0;  // of the weights e^(-decay (1 - s)), 0 <= s <= 1
+  const double share = rest_of_delay_ / duration;
+  const double moment = 0.5 * share * (1.0 - share);  // of a unit step about the middle
+  const double first = share - moment * decay;
+  const double then = 1.0 - first;
 
   AveragedInput input;
   input.pattern_rate = theta_change / duration;
-  const auto stepOver = [&](double begin, double end) {
-    const double middle = 0.5 * (begin + end) / duration;
-    filter_.step(before.orbit.theta + middle * theta_change, before.orbit.phi + middle * phi_change,
-                 input, end - begin);
+  input.reference_frequency =
+      first * acted_first.reference_frequency + then * acted_then.reference_frequency;
+  // A drive acts in proportion to 1 / w, and less by a sinc where the pattern turns away under it.
+  const double scale = (1.0 - theta_change * theta_change / 24.0) * input.reference_frequency;
+  const double first_scale = first * scale / acted_first.reference_frequency;
+  const double then_scale = then * scale / acted_then.reference_frequency;
+  const Eigen::Vector2cd late = moment * (acted_then.drive - acted_first.drive);
+  // Turning the pattern turns Fx into Fy and Fy into -Fx; turning phi multiplies both by -i.
+  const auto turned = [&](const std::complex<double>& along, const std::complex<double>& across) {
+    return std::complex<double>(theta_change * across.real() + phi_change * along.imag(),
+                                theta_change * across.imag() - phi_change * along.real());
   };
-  if (rest_of_delay_ > 0.0) {
-    input.drive = acted_first.drive;
-    input.reference_frequency = acted_first.reference_frequency;
-    stepOver(0.0, rest_of_delay_);
-  }
-  input.reference_frequency = acted_then.reference_frequency;
-  input.drive =
-      acted_then.drive + driveStep(acted_first.drive, acted_then.drive, acted_then.reference_phase,
-                                   acted_then.reference_frequency, duration - rest_of_delay_);
-  stepOver(rest_of_delay_, duration);
+  input.drive = first_scale * acted_first.drive + then_scale * acted_then.drive +
+                driveStep(acted_first.drive, acted_then.drive, acted_then.reference_phase,
+                          acted_then.reference_frequency, duration);
+  input.drive.x() += turned(late.x(), late.y());
+  input.drive.y() += turned(late.y(), -late.x());
+  filter_.step(before.orbit.theta + middle * theta_change, before.orbit.phi + middle * phi_change,
+               input, duration);
 }
 
 void Identifier::breakChain() {

@@ -44,7 +44,7 @@ struct IdentificationParameters {
 ///
 /// Both kinds of input belong to the same block (see PairMerge). Elements are valid a group delay
 /// before the block's end; the inputs that acted between two valid times are taken from the blocks
-/// they acted in, splitting the step where the delay is not whole blocks. Each period's mean of a
+/// they acted in, also where the delay is not whole blocks. Each period's mean of a
 /// and b is one measurement of everything in that period (IntervalFilter). Periods end where
 /// (sequence + 1) is a multiple of the period, whenever the identifier was started.
 ///
