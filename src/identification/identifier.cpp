@@ -130,8 +130,8 @@ Identifier::Identifier(const IdentificationParameters& parameters,
       block_duration_ns_(converter.blockDurationNanoseconds()),
       sample_sigma_(parameters.noise_density / std::sqrt(converter.blockDuration())) {}
 
-std::optional<ParameterEstimate> Identifier::process(const OrbitalElements& elements,
-                                                     const ControlGains& gains) {
+const ParameterEstimate* Identifier::process(const OrbitalElements& elements,
+                                             const ControlGains& gains) {
   const BlockStamp& stamp = elements.stamp;
   if (!started_ || stamp.session != last_stamp_.session || stamp.sequence <= last_stamp_.sequence) {
     restart(stamp);
@@ -154,11 +154,9 @@ std::optional<ParameterEstimate> Identifier::process(const OrbitalElements& elem
   } else if (complete_) {
     gather(stamp.sequence, stamp.duration(), first_of_period);
   }
-  std::optional<ParameterEstimate> estimate;
-  if ((stamp.sequence + 1) % period_blocks == 0) {
-    finishPeriod(stamp, gains.compensation, estimate.emplace());
-  }
-  return estimate;
+  if ((stamp.sequence + 1) % period_blocks != 0) return nullptr;
+  finishPeriod(stamp, gains.compensation);
+  return &estimate_;
 }
 
 void Identifier::restart(const BlockStamp& stamp) {
@@ -216,7 +214,7 @@ bool Identifier::setDelay(double group_delay, double duration) {
   const double whole = std::floor(blocks + 1e-9);
   group_delay_ = group_delay;
   whole_delay_ = static_cast<std::uint64_t>(whole);
-  rest_of_delay_ = blocks - whole > 1e-9 ? group_delay - whole * duration : 0.0;
+  rest_of_delay_ = blocks - whole > 1e-9 ? blocks - whole : 0.0;
   filter_memory_ =
       std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(2.0 * blocks - 1e-9)));
   return true;
@@ -261,7 +259,8 @@ void Identifier::gather(std::uint64_t sequence, double duration, bool first_of_p
 }
 
 /// From where the elements of the block before are valid to where those of this block are. Both
-/// moments lie rest_of_delay_ before the end of a block; drive and frequency change in between.
+/// moments lie the rest of the delay before the end of a block; drive and frequency change in
+/// between.
 ///
 /// One step takes both drives to second order: their means are those that a response which decays
 /// meets at the end of the step, for which what is late counts more, and a change of drive late in
@@ -275,7 +274,7 @@ void Identifier::propagate(std::uint64_t sequence, double duration) {
   const double phi_change = now.orbit.phi - before.orbit.phi;
   const double decay = model_.decayRate() * duration;
   const double middle = 0.5 + decay / 12.0;  // of the weights e^(-decay (1 - s)), 0 <= s <= 1
-  const double share = rest_of_delay_ / duration;
+  const double share = rest_of_delay_;
   const double moment = 0.5 * share * (1.0 - share);  // of a unit step about the middle
   const double first = share - moment * decay;
   const double then = 1.0 - first;
@@ -312,16 +311,20 @@ void Identifier::breakChain() {
   chained_ = false;
 }
 
-void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation,
-                              ParameterEstimate& estimate) {
+void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation) {
+  ParameterEstimate& estimate = estimate_;
   bool used = false;
-  if (complete_ && scaled_) {
-    used = estimate.updated = true;
+  estimate.updated = complete_ && scaled_;
+  if (estimate.updated) {
+    used = true;
     estimate.innovation = update_.innovation;
     estimate.innovation_covariance = update_.innovation_covariance;
     estimate.normalised_innovation_squared = update_.normalised_innovation_squared;
-  } else if (complete_) {
-    used = setScale();
+  } else {
+    estimate.innovation.setZero();
+    estimate.innovation_covariance.setZero();
+    estimate.normalised_innovation_squared = 0.0;
+    used = complete_ && setScale();
   }
   if (used) {
     const bool first = used_ == 0;
@@ -344,6 +347,8 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
     estimate.value = filter_.value();
     estimate.covariance = filter_.covariance();
   } else {
+    estimate.value.setZero();
+    estimate.covariance.setZero();
     estimate.covariance.diagonal() << kUnknownVariance, kUnknownVariance,
         square(parameters_.initial_gamma_sigma), square(parameters_.initial_gamma_sigma),
         square(parameters_.initial_mu_sigma), square(parameters_.initial_mu_sigma),
@@ -356,7 +361,7 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
     estimate.residual_gamma1 -= cancelled_by_gain * compensation.gain1;
     estimate.residual_gamma2 -= cancelled_by_gain * compensation.gain2;
   }
-  estimate.converged = converged(estimate);
+  estimate.converged = converged();
 }
 
 bool Identifier::setScale() {
@@ -385,7 +390,8 @@ bool Identifier::setScale() {
   return true;
 }
 
-bool Identifier::converged(const ParameterEstimate& estimate) const {
+bool Identifier::converged() const {
+  const ParameterEstimate& estimate = estimate_;
   return scaled_ && estimate.sigma(kGamma1) < parameters_.converged_gamma_sigma &&
          estimate.sigma(kGamma2) < parameters_.converged_gamma_sigma &&
          estimate.sigma(kMu1) < parameters_.converged_mu_sigma &&
