@@ -39,7 +39,7 @@ TEST_F(OtherSimulator, LogIdentifiesToItsDevice) {
   Identifier identifier(parameters, converter);
   std::optional<ParameterEstimate> last;
   for (const auto& [elements, gains] : log.blocks) {
-    if (const auto estimate = identifier.process(elements, gains)) last = estimate;
+    if (const auto estimate = identifier.process(elements, gains)) last = *estimate;
   }
   ASSERT_TRUE(last);
   const double gamma1 = last->value[kGamma1] - device.gamma1;

@@ -25,8 +25,9 @@ const InjectorParameters& checked(const InjectorParameters& parameters) {
   return parameters;
 }
 
+/// A sum is finite only when all of it is.
 bool finite(const ParameterEstimate& estimate) {
-  return estimate.value.allFinite() && estimate.covariance.allFinite();
+  return std::isfinite(estimate.value.sum() + estimate.covariance.sum());
 }
 
 }  // namespace

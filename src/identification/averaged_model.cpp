@@ -27,6 +27,14 @@ PatternDrive turnDrive(double cosine, double sine, double re, double im,
   return {turn(cosine * drive.x() + sine * drive.y()), turn(cosine * drive.y() - sine * drive.x())};
 }
 
+/// Of one component of driveStep(): `turn_re` + i `turn_im`: e^{-2 i psi}.
+std::complex<double> stepImage(std::complex<double> step, double turn_re, double turn_im,
+                               double spread) {
+  const double re = step.real() - (step.real() * turn_re + step.imag() * turn_im);
+  const double im = step.imag() - (step.real() * turn_im - step.imag() * turn_re);
+  return {-spread * im, spread * re};
+}
+
 }  // namespace
 
 /// a' and b' as what they are at given angles: linear in (a, b), in the parameters and in the
@@ -108,12 +116,14 @@ struct AveragedModel::AxesDynamics {
   }
 };
 
-Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before, const Eigen::Vector2cd& after,
-                           double reference_phase, double reference_frequency, double duration) {
+RING_GYRO_FLATTEN Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before,
+                                             const Eigen::Vector2cd& after, double reference_phase,
+                                             double reference_frequency, double duration) {
   const Eigen::Vector2cd step = after - before;
-  const std::complex<double> spread(0.0, 0.5 / (reference_frequency * duration));
+  const double spread = 0.5 / (reference_frequency * duration);
   const SineCosine<1> turn = sineCosine<1>(Eigen::Array<double, 1, 1>(-2.0 * reference_phase));
-  return spread * (step - step.conjugate() * std::complex<double>(turn.cosine[0], turn.sine[0]));
+  return {stepImage(step.x(), turn.cosine[0], turn.sine[0], spread),
+          stepImage(step.y(), turn.cosine[0], turn.sine[0], spread)};
 }
 
 AveragedModel::AveragedModel(double natural_frequency, double quality_factor)

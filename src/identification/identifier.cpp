@@ -130,8 +130,8 @@ Identifier::Identifier(const IdentificationParameters& parameters,
       block_duration_ns_(converter.blockDurationNanoseconds()),
       sample_sigma_(parameters.noise_density / std::sqrt(converter.blockDuration())) {}
 
-std::optional<ParameterEstimate> Identifier::process(const OrbitalElements& elements,
-                                                     const ControlGains& gains) {
+const ParameterEstimate* Identifier::process(const OrbitalElements& elements,
+                                             const ControlGains& gains) {
   const BlockStamp& stamp = elements.stamp;
   if (!started_ || stamp.session != last_stamp_.session || stamp.sequence <= last_stamp_.sequence) {
     restart(stamp);
@@ -154,11 +154,9 @@ std::optional<ParameterEstimate> Identifier::process(const OrbitalElements& elem
   } else if (complete_) {
     gather(stamp.sequence, stamp.duration(), first_of_period);
   }
-  std::optional<ParameterEstimate> estimate;
-  if ((stamp.sequence + 1) % period_blocks == 0) {
-    finishPeriod(stamp, gains.compensation, estimate.emplace());
-  }
-  return estimate;
+  if ((stamp.sequence + 1) % period_blocks != 0) return nullptr;
+  finishPeriod(stamp, gains.compensation);
+  return &estimate_;
 }
 
 void Identifier::restart(const BlockStamp& stamp) {
@@ -216,7 +214,7 @@ bool Identifier::setDelay(double group_delay, double duration) {
   const double whole = std::floor(blocks + 1e-9);
   group_delay_ = group_delay;
   whole_delay_ = static_cast<std::uint64_t>(whole);
-  rest_of_delay_ = blocks - whole > 1e-9 ? group_delay - whole * duration : 0.0;
+  rest_of_delay_ = blocks - whole > 1e-9 ? blocks - whole : 0.0;
   filter_memory_ =
       std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(2.0 * blocks - 1e-9)));
   return true;
@@ -261,7 +259,12 @@ void Identifier::gather(std::uint64_t sequence, double duration, bool first_of_p
 }
 
 /// From where the elements of the block before are valid to where those of this block are. Both
-/// moments lie rest_of_delay_ before the end of a block; drive and frequency change in between.
+/// moments lie the rest of the delay before the end of a block; drive and frequency change in
+/// between.
+///
+/// One step takes both drives to second order: their means are those that a response which decays
+/// meets at the end of the step, for which what is late counts more, and a change of drive late in
+/// the step meets a pattern that has turned on.
 void Identifier::propagate(std::uint64_t sequence, double duration) {
   const Block& before = block(sequence - 1);
   const Block& now = block(sequence);
@@ -269,24 +272,34 @@ void Identifier::propagate(std::uint64_t sequence, double duration) {
   const Block& acted_then = block(sequence - whole_delay_);
   const double theta_change = now.orbit.theta - before.orbit.theta;
   const double phi_change = now.orbit.phi - before.orbit.phi;
+  const double decay = model_.decayRate() * duration;
+  const double middle = 0.5 + decay / 12.0;  // of the weights e^(-decay (1 - s)), 0 <= s <= 1
+  const double share = rest_of_delay_;
+  const double moment = 0.5 * share * (1.0 - share);  // of a unit step about the middle
+  const double first = share - moment * decay;
+  const double then = 1.0 - first;
 
   AveragedInput input;
   input.pattern_rate = theta_change / duration;
-  const auto stepOver = [&](double begin, double end) {
-    const double middle = 0.5 * (begin + end) / duration;
-    filter_.step(before.orbit.theta + middle * theta_change, before.orbit.phi + middle * phi_change,
-                 input, end - begin);
+  input.reference_frequency =
+      first * acted_first.reference_frequency + then * acted_then.reference_frequency;
+  // A drive acts in proportion to 1 / w, and less by a sinc where the pattern turns away under it.
+  const double scale = (1.0 - theta_change * theta_change / 24.0) * input.reference_frequency;
+  const double first_scale = first * scale / acted_first.reference_frequency;
+  const double then_scale = then * scale / acted_then.reference_frequency;
+  const Eigen::Vector2cd late = moment * (acted_then.drive - acted_first.drive);
+  // Turning the pattern turns Fx into Fy and Fy into -Fx; turning phi multiplies both by -i.
+  const auto turned = [&](const std::complex<double>& along, const std::complex<double>& across) {
+    return std::complex<double>(theta_change * across.real() + phi_change * along.imag(),
+                                theta_change * across.imag() - phi_change * along.real());
   };
-  if (rest_of_delay_ > 0.0) {
-    input.drive = acted_first.drive;
-    input.reference_frequency = acted_first.reference_frequency;
-    stepOver(0.0, rest_of_delay_);
-  }
-  input.reference_frequency = acted_then.reference_frequency;
-  input.drive =
-      acted_then.drive + driveStep(acted_first.drive, acted_then.drive, acted_then.reference_phase,
-                                   acted_then.reference_frequency, duration - rest_of_delay_);
-  stepOver(rest_of_delay_, duration);
+  input.drive = first_scale * acted_first.drive + then_scale * acted_then.drive +
+                driveStep(acted_first.drive, acted_then.drive, acted_then.reference_phase,
+                          acted_then.reference_frequency, duration);
+  input.drive.x() += turned(late.x(), late.y());
+  input.drive.y() += turned(late.y(), -late.x());
+  filter_.step(before.orbit.theta + middle * theta_change, before.orbit.phi + middle * phi_change,
+               input, duration);
 }
 
 void Identifier::breakChain() {
@@ -298,16 +311,20 @@ void Identifier::breakChain() {
   chained_ = false;
 }
 
-void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation,
-                              ParameterEstimate& estimate) {
+void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation) {
+  ParameterEstimate& estimate = estimate_;
   bool used = false;
-  if (complete_ && scaled_) {
-    used = estimate.updated = true;
+  estimate.updated = complete_ && scaled_;
+  if (estimate.updated) {
+    used = true;
     estimate.innovation = update_.innovation;
     estimate.innovation_covariance = update_.innovation_covariance;
     estimate.normalised_innovation_squared = update_.normalised_innovation_squared;
-  } else if (complete_) {
-    used = setScale();
+  } else {
+    estimate.innovation.setZero();
+    estimate.innovation_covariance.setZero();
+    estimate.normalised_innovation_squared = 0.0;
+    used = complete_ && setScale();
   }
   if (used) {
     const bool first = used_ == 0;
@@ -330,6 +347,8 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
     estimate.value = filter_.value();
     estimate.covariance = filter_.covariance();
   } else {
+    estimate.value.setZero();
+    estimate.covariance.setZero();
     estimate.covariance.diagonal() << kUnknownVariance, kUnknownVariance,
         square(parameters_.initial_gamma_sigma), square(parameters_.initial_gamma_sigma),
         square(parameters_.initial_mu_sigma), square(parameters_.initial_mu_sigma),
@@ -342,7 +361,7 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
     estimate.residual_gamma1 -= cancelled_by_gain * compensation.gain1;
     estimate.residual_gamma2 -= cancelled_by_gain * compensation.gain2;
   }
-  estimate.converged = converged(estimate);
+  estimate.converged = converged();
 }
 
 bool Identifier::setScale() {
@@ -371,7 +390,8 @@ bool Identifier::setScale() {
   return true;
 }
 
-bool Identifier::converged(const ParameterEstimate& estimate) const {
+bool Identifier::converged() const {
+  const ParameterEstimate& estimate = estimate_;
   return scaled_ && estimate.sigma(kGamma1) < parameters_.converged_gamma_sigma &&
          estimate.sigma(kGamma2) < parameters_.converged_gamma_sigma &&
          estimate.sigma(kMu1) < parameters_.converged_mu_sigma &&

@@ -204,6 +204,8 @@ void IntervalFilter::measureMean(StateVector& value, IntervalUpdate& update) {
   value.tail<5>() = value_.tail<5>() + correction.segment<5>(4);
 }
 
-StateMatrix IntervalFilter::covariance() const { return covariances_[present_].matrix(); }
+RING_GYRO_FLATTEN StateMatrix IntervalFilter::covariance() const {
+  return covariances_[present_].matrix();
+}
 
 }  // namespace ring_gyro

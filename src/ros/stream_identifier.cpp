@@ -56,7 +56,7 @@ void StreamIdentifier::process(const OrbitalElements& elements, const ControlGai
     return;
   }
   const std::uint64_t restarts = identifier_.restarts();
-  const std::optional<ParameterEstimate> estimate = identifier_.process(elements, gains);
+  const ParameterEstimate* const estimate = identifier_.process(elements, gains);
   if (!started_ || identifier_.restarts() != restarts) {
     report_.first = elements.stamp;
     report_.convergence_time.reset();

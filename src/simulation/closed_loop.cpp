@@ -27,13 +27,13 @@ LoopRecord ClosedLoop::step() {
   }
   output_ = &loops_.process(block);
 
-  estimate_ = identifier_.process(output_->elements, output_->gains);
+  const ParameterEstimate* const estimate = identifier_.process(output_->elements, output_->gains);
   decision_.reset();
-  if (estimate_) {
-    decision_ = injector_.decide(*estimate_);
+  if (estimate != nullptr) {
+    decision_ = injector_.decide(*estimate);
     if (compensation_) pending_[(first_pending_ + pending_count_++) % 2] = *decision_;
   }
-  return {block, *output_, estimate_, decision_, plant_};
+  return {block, *output_, estimate, decision_, plant_};
 }
 
 double ClosedLoop::time() const {

@@ -90,7 +90,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
   for (std::uint64_t block = 0; (blocks == 0 || block < blocks) && interrupted == 0; ++block) {
     const LoopRecord record = loop.step();
     if (recorder) recorder->write(record);
-    if (record.estimate) summary.estimate = record.estimate;
+    if (record.estimate) summary.estimate = *record.estimate;
     if (record.decision) summary.decision = record.decision;
     if (!summary.locked_after && record.loops.elements.status.locked()) {
       summary.locked_after = loop.time();

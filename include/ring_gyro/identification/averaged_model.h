@@ -77,7 +77,8 @@ class AveragedModel {
                       const AveragedInput& input) const;
 
   /// Midpoint step of a and b over `duration` [s]; orbit.theta and orbit.phi are those of the
-  /// middle of the step. Second order: the error is (rate duration)^3 / 6 of what changes.
+  /// middle of the step, input.drive the mean over it. Second order: the error is (rate duration)^3
+  /// / 6 of what changes.
   AxesStep axesStep(const Orbit& orbit, const DeviceParameters& device, const AveragedInput& input,
                     double duration) const;
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "ring_gyro/common/converter_parameters.h"
@@ -44,7 +43,7 @@ struct IdentificationParameters {
 ///
 /// Both kinds of input belong to the same block (see PairMerge). Elements are valid a group delay
 /// before the block's end; the inputs that acted between two valid times are taken from the blocks
-/// they acted in, splitting the step where the delay is not whole blocks. Each period's mean of a
+/// they acted in, also where the delay is not whole blocks. Each period's mean of a
 /// and b is one measurement of everything in that period (IntervalFilter). Periods end where
 /// (sequence + 1) is a multiple of the period, whenever the identifier was started.
 ///
@@ -61,11 +60,11 @@ class Identifier {
   /// Throws std::invalid_argument naming what cannot be used.
   Identifier(const IdentificationParameters& parameters, const ConverterParameters& converter);
 
-  /// The next block; returns an estimate at each period's end, updated or not. Elements and gains
-  /// must carry the same session and sequence, otherwise the block is rejected. A new session, or a
-  /// sequence that does not grow, starts afresh. Does not allocate.
-  std::optional<ParameterEstimate> process(const OrbitalElements& elements,
-                                           const ControlGains& gains);
+  /// The next block; gives an estimate at each period's end, updated or not, and null otherwise.
+  /// It is good until the next call. Elements and gains must carry the same session and sequence,
+  /// otherwise the block is rejected. A new session, or a sequence that does not grow, starts
+  /// afresh. Does not allocate.
+  const ParameterEstimate* process(const OrbitalElements& elements, const ControlGains& gains);
 
   std::int64_t periodBlocks() const { return period_blocks_; }
   std::uint64_t restarts() const { return restarts_; }
@@ -88,10 +87,9 @@ class Identifier {
   void gather(std::uint64_t sequence, double duration, bool first_of_period);
   void propagate(std::uint64_t sequence, double duration);
   void breakChain();
-  void finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation,
-                    ParameterEstimate& estimate);
+  void finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation);
   bool setScale();
-  bool converged(const ParameterEstimate& estimate) const;
+  bool converged() const;
 
   IdentificationParameters parameters_;
   AveragedModel model_;
@@ -104,7 +102,7 @@ class Identifier {
   std::array<Block, kMemory> memory_;
   double group_delay_ = -1.0;        // of the present run of usable blocks [s]
   std::uint64_t whole_delay_ = 0;    // blocks in it
-  double rest_of_delay_ = 0.0;       // what is left of it [s]
+  double rest_of_delay_ = 0.0;       // what is left of it [blocks]
   std::uint64_t filter_memory_ = 1;  // blocks that go into an element
   std::uint64_t usable_run_ = 0;     // usable blocks without a break up to now
 
@@ -121,6 +119,7 @@ class Identifier {
   bool complete_ = false;   // the present period has had nothing but usable blocks
   bool by_blocks_ = false;  // the present period is filtered block by block
   IntervalUpdate update_;   // the last one of the present period
+  ParameterEstimate estimate_;
   std::uint64_t blocks_in_period_ = 0;
   double amplitude_sum_ = 0.0;
   double frequency_sum_ = 0.0;

@@ -17,7 +17,7 @@ namespace ring_gyro {
 struct LoopRecord {
   const DisplacementBlock& displacement;
   const LoopOutput& loops;
-  const std::optional<ParameterEstimate>& estimate;
+  const ParameterEstimate* estimate;  ///< null but at the end of a period
   const std::optional<CompensationDecision>& decision;
   const PlantSimulator& plant;
 
@@ -53,7 +53,6 @@ class ClosedLoop {
   std::size_t pending_count_ = 0;
   std::int64_t end_ns_ = 0;  // of the last block
   const LoopOutput* output_ = nullptr;
-  std::optional<ParameterEstimate> estimate_;
   std::optional<CompensationDecision> decision_;
 };
 
