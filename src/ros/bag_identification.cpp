@@ -1,41 +1,63 @@
 #include "ring_gyro/ros/bag_identification.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <exception>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 
 #include "ring_gyro/ros/batch_queue.h"
-#include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/stream_identifier.h"
 
 namespace ring_gyro {
 namespace {
 
-constexpr std::size_t kBatch = 512;
+constexpr std::size_t kBatchBytes = 128 * 1024;
 
-/// A message of either topic.
-struct Signal {
-  bool is_elements = false;
-  OrbitalElements elements;
-  ControlGains gains;
+/// Of a message in a batch, whose bytes follow.
+struct BatchEntry {
+  bool is_elements;
+  std::uint32_t size;
   ros::Time time;
 };
 
-/// Reads bags in a thread of its own: what decompresses and what identifies take about as long.
+using Batch = std::vector<std::uint8_t>;
+
+void append(Batch& batch, const SerialisedMessage& message) {
+  const BatchEntry entry{message.is_elements, message.size, message.time};
+  const std::size_t end = batch.size();
+  batch.resize(end + sizeof entry + message.size);
+  std::memcpy(&batch[end], &entry, sizeof entry);
+  std::memcpy(&batch[end + sizeof entry], message.bytes, message.size);
+}
+
+template <typename OnMessage>
+void forEach(Batch& batch, OnMessage on_message) {
+  for (std::size_t begin = 0; begin < batch.size();) {
+    BatchEntry entry;
+    std::memcpy(&entry, &batch[begin], sizeof entry);
+    begin += sizeof entry;
+    on_message(SerialisedMessage{entry.is_elements, &batch[begin], entry.size, entry.time});
+    begin += entry.size;
+  }
+}
+
+/// Reads bags in a thread of its own, which leaves the messages as they are: to find and to
+/// decompress them takes longer than to identify from them.
 class BagReader {
  public:
   BagReader(std::vector<LoopBag>& bags, const ros::Time& from, const ros::Time& to)
       : bags_(bags), from_(from), to_(to), thread_([this] { run(); }) {}
   ~BagReader() {
-    signals_.cancel();
+    batches_.cancel();
     if (thread_.joinable()) thread_.join();
   }
   BagReader(const BagReader&) = delete;
   BagReader& operator=(const BagReader&) = delete;
 
-  bool take(std::vector<Signal>& batch) { return signals_.take(batch); }
+  bool take(Batch& batch) { return batches_.take(batch); }
   /// Once take() has said false. Throws what reading threw.
   void finish() {
     thread_.join();
@@ -47,43 +69,29 @@ class BagReader {
 
   void run() {
     try {
-      batch_.reserve(kBatch);
       for (LoopBag& bag : bags_) readBag(bag);
-      if (!batch_.empty()) signals_.give(batch_);
+      if (!batch_.empty()) batches_.give(batch_);
     } catch (const Cancelled&) {
     } catch (...) {
       error_ = std::current_exception();
     }
-    signals_.close();
+    batches_.close();
   }
 
   void readBag(LoopBag& bag) {
     bag.read(
-        [this](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& time) {
-          Signal& signal = next(time);
-          signal.is_elements = true;
-          fromMessage(message, signal.elements);
-        },
-        [this](const ring_gyro_msgs::ControlGains& message, const ros::Time& time) {
-          Signal& signal = next(time);
-          signal.is_elements = false;
-          fromMessage(message, signal.gains);
+        [this](const SerialisedMessage& message) {
+          if (batch_.size() >= kBatchBytes && !batches_.give(batch_)) throw Cancelled();
+          append(batch_, message);
         },
         from_, to_);
-  }
-
-  Signal& next(const ros::Time& time) {
-    if (batch_.size() == kBatch && !signals_.give(batch_)) throw Cancelled();
-    batch_.emplace_back();
-    batch_.back().time = time;
-    return batch_.back();
   }
 
   std::vector<LoopBag>& bags_;
   ros::Time from_;
   ros::Time to_;
-  BatchQueue<Signal> signals_;
-  std::vector<Signal> batch_;
+  BatchQueue<std::uint8_t> batches_;
+  Batch batch_;
   std::exception_ptr error_;
   std::thread thread_;
 };
@@ -124,16 +132,22 @@ IdentificationResult BagIdentification::run(const OnEstimate& on_estimate,
   StreamIdentifier identifier(configuration_, take, options_.start_sequence);
   try {
     BagReader reader(bags_, from_, to_);
-    std::vector<Signal> batch;
+    Batch batch;
+    ring_gyro_msgs::OrbitalElements elements;
+    ring_gyro_msgs::ControlGains gains;
+    ros::Time last = from_;
     while (reader.take(batch)) {
-      for (const Signal& signal : batch) {
-        if (signal.is_elements) {
-          identifier.add(signal.elements);
+      forEach(batch, [&](const SerialisedMessage& message) {
+        if (message.is_elements) {
+          deserialise(message, elements);
+          identifier.add(elements);
         } else {
-          identifier.add(signal.gains);
+          deserialise(message, gains);
+          identifier.add(gains);
         }
-      }
-      if (on_progress && !batch.empty()) on_progress((batch.back().time - from_).toSec());
+        last = message.time;
+      });
+      if (on_progress && !batch.empty()) on_progress((last - from_).toSec());
     }
     reader.finish();
   } catch (const std::exception& error) {

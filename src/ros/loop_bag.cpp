@@ -34,10 +34,27 @@ class MessageBytes {
 };
 
 template <typename Message>
-void deserialise(std::uint8_t* bytes, std::uint32_t size, Message& message) {
-  ros::serialization::IStream stream(bytes, size);
+void take(const SerialisedMessage& serialised, Message& message) {
+  ros::serialization::IStream stream(serialised.bytes, serialised.size);
   ros::serialization::deserialize(stream, message);
 }
+
+/// Whether bytes are long enough for their type: its frame_id is all that has no fixed length.
+class WholeMessage {
+ public:
+  bool operator()(const SerialisedMessage& message) const {
+    constexpr std::uint32_t kFrameIdLength = 12;  // after seq and stamp of the header
+    if (message.size < kFrameIdLength + sizeof(std::uint32_t)) return false;
+    std::uint32_t frame_id = 0;
+    std::memcpy(&frame_id, message.bytes + kFrameIdLength, sizeof frame_id);
+    return std::uint64_t{frame_id} + (message.is_elements ? elements_ : gains_) <= message.size;
+  }
+
+ private:
+  std::uint32_t elements_ =
+      ros::serialization::serializationLength(ring_gyro_msgs::OrbitalElements());
+  std::uint32_t gains_ = ros::serialization::serializationLength(ring_gyro_msgs::ControlGains());
+};
 
 bool contains(const std::vector<std::uint32_t>& list, std::uint32_t value) {
   return std::find(list.begin(), list.end(), value) != list.end();
@@ -67,6 +84,14 @@ std::string damageOf(const BagScan& scan) {
 }
 
 }  // namespace
+
+void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::OrbitalElements& message) {
+  take(serialised, message);
+}
+
+void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::ControlGains& message) {
+  take(serialised, message);
+}
 
 LoopBag::LoopBag(std::string path, const LoopTopics& topics) : path_(std::move(path)) {
   open();
@@ -201,19 +226,35 @@ LoopBag::Content LoopBag::content(const ros::Time& from, const ros::Time& to) co
 
 void LoopBag::read(const OnElements& on_elements, const OnGains& on_gains, const ros::Time& from,
                    const ros::Time& to) {
+  ring_gyro_msgs::OrbitalElements elements;
+  ring_gyro_msgs::ControlGains gains;
+  read(
+      [&](const SerialisedMessage& message) {
+        if (message.is_elements) {
+          deserialise(message, elements);
+          on_elements(elements, message.time);
+        } else {
+          deserialise(message, gains);
+          on_gains(gains, message.time);
+        }
+      },
+      from, to);
+}
+
+void LoopBag::read(const OnSerialised& on_message, const ros::Time& from, const ros::Time& to) {
   if (!bag_) {
-    readByScan(on_elements, on_gains, from, to, {});
+    readByScan(on_message, from, to, {});
     return;
   }
   Delivered delivered;
-  if (readWithIndex(on_elements, on_gains, from, to, delivered)) return;
+  if (readWithIndex(on_message, from, to, delivered)) return;
   // rosbag may give what is left of a damaged chunk for another one: no more of it.
-  const BagScan scan = readByScan(on_elements, on_gains, from, to, delivered);
+  const BagScan scan = readByScan(on_message, from, to, delivered);
   if (scan.lost_bytes > 0) damage_.push_back(damageOf(scan));
 }
 
-bool LoopBag::readWithIndex(const OnElements& on_elements, const OnGains& on_gains,
-                            const ros::Time& from, const ros::Time& to, Delivered& delivered) {
+bool LoopBag::readWithIndex(const OnSerialised& on_message, const ros::Time& from,
+                            const ros::Time& to, Delivered& delivered) {
   rosbag::View view(
       *bag_, [this](const rosbag::ConnectionInfo* connection) { return wanted(connection->id); },
       from, to);
@@ -224,64 +265,45 @@ bool LoopBag::readWithIndex(const OnElements& on_elements, const OnGains& on_gai
       element_topics.push_back(&connection->topic);
     }
   }
+  const WholeMessage whole;
   MessageBytes bytes;
-  ring_gyro_msgs::OrbitalElements elements;
-  ring_gyro_msgs::ControlGains gains;
+  SerialisedMessage message;
   for (auto instance = view.begin(); instance != view.end(); ++instance) {
     const std::string* topic = &instance->getTopic();
-    const bool is_elements =
+    message.is_elements =
         std::find(element_topics.begin(), element_topics.end(), topic) != element_topics.end();
     try {
       bytes.clear();
       instance->write(bytes);
-      if (is_elements) {
-        deserialise(bytes.data(), bytes.size(), elements);
-      } else {
-        deserialise(bytes.data(), bytes.size(), gains);
-      }
     } catch (const ros::Exception&) {
       return false;
     }
-    if (is_elements) {
-      ++delivered.elements;
-      on_elements(elements, instance->getTime());
-    } else {
-      ++delivered.gains;
-      on_gains(gains, instance->getTime());
-    }
+    message.bytes = bytes.data();
+    message.size = bytes.size();
+    message.time = instance->getTime();
+    if (!whole(message)) return false;
+    ++(message.is_elements ? delivered.elements : delivered.gains);
+    on_message(message);
   }
   return true;
 }
 
-BagScan LoopBag::readByScan(const OnElements& on_elements, const OnGains& on_gains,
-                            const ros::Time& from, const ros::Time& to, Delivered delivered) {
-  ring_gyro_msgs::OrbitalElements elements;
-  ring_gyro_msgs::ControlGains gains;
+BagScan LoopBag::readByScan(const OnSerialised& on_message, const ros::Time& from,
+                            const ros::Time& to, Delivered delivered) {
+  const WholeMessage whole;
   std::uint64_t unreadable = 0;
   BagScanner scanner;
   scanner.on_message = [&](std::uint32_t connection, const ros::Time& time, std::uint8_t* bytes,
                            std::uint32_t size) {
     if (time < from || time > to || !wanted(connection)) return;
-    const bool is_elements = contains(elements_.connections, connection);
-    std::uint64_t& still_known = is_elements ? delivered.elements : delivered.gains;
+    const SerialisedMessage message{contains(elements_.connections, connection), bytes, size, time};
+    std::uint64_t& still_known = message.is_elements ? delivered.elements : delivered.gains;
     if (still_known > 0) {
       --still_known;
-      return;
-    }
-    try {
-      if (is_elements) {
-        deserialise(bytes, size, elements);
-      } else {
-        deserialise(bytes, size, gains);
-      }
-    } catch (const ros::Exception&) {
-      ++unreadable;
-      return;
-    }
-    if (is_elements) {
-      on_elements(elements, time);
+    } else if (whole(message)) {
+      on_message(message);
     } else {
-      on_gains(gains, time);
+      ++unreadable;
     }
   };
   const BagScan scan = scanner.scan(path_);

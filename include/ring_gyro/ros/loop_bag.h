@@ -27,6 +27,16 @@ struct LoopTopics {
   std::string gains;
 };
 
+/// A message as it stands in a bag, long enough for its type.
+struct SerialisedMessage {
+  bool is_elements = false;  ///< orbital elements, otherwise control gains
+  std::uint8_t* bytes = nullptr;
+  std::uint32_t size = 0;
+  ros::Time time;  ///< of the bag
+};
+void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::OrbitalElements& message);
+void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::ControlGains& message);
+
 /// A recorded run as the identifier needs it: orbital elements and control gains, in the order of
 /// bag time, other topics left where they are. A bag whose index is missing or cut off is read from
 /// front to back as far as it goes.
@@ -34,6 +44,7 @@ class LoopBag {
  public:
   using OnElements = std::function<void(const ring_gyro_msgs::OrbitalElements&, const ros::Time&)>;
   using OnGains = std::function<void(const ring_gyro_msgs::ControlGains&, const ros::Time&)>;
+  using OnSerialised = std::function<void(const SerialisedMessage&)>;  ///< good until it returns
 
   /// Throws BagError: not there, not a bag, empty, encrypted; a topic is missing, of another type
   /// or of another version of the message.
@@ -42,6 +53,8 @@ class LoopBag {
   /// Messages with bag time in [from, to], all of them, the last too. Throws what the sinks throw.
   void read(const OnElements& on_elements, const OnGains& on_gains,
             const ros::Time& from = ros::TIME_MIN, const ros::Time& to = ros::TIME_MAX);
+  /// The same without taking the messages apart.
+  void read(const OnSerialised& on_message, const ros::Time& from, const ros::Time& to);
 
   const std::string& path() const { return path_; }
   bool hasIndex() const { return bag_ != nullptr; }
@@ -78,11 +91,11 @@ class LoopBag {
   Topic choose(const std::string& wanted, const char* usual_name) const;
   bool wanted(std::uint32_t connection) const;
   /// False when a message cannot be read; `delivered` were.
-  bool readWithIndex(const OnElements& on_elements, const OnGains& on_gains, const ros::Time& from,
-                     const ros::Time& to, Delivered& delivered);
+  bool readWithIndex(const OnSerialised& on_message, const ros::Time& from, const ros::Time& to,
+                     Delivered& delivered);
   /// `delivered`: how many of each topic are known already.
-  BagScan readByScan(const OnElements& on_elements, const OnGains& on_gains, const ros::Time& from,
-                     const ros::Time& to, Delivered delivered);
+  BagScan readByScan(const OnSerialised& on_message, const ros::Time& from, const ros::Time& to,
+                     Delivered delivered);
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string path_;
