@@ -7,6 +7,6 @@ if ! bash "$(dirname "${BASH_SOURCE[0]}")/batch_test.sh" "$1" "$2"; then
   failures=1 failure='<failure message="see the output"/>'
 fi
 cat >"$3" <<END
-<testsuite name="batch" tests="1" failures="$failures"><testcase classname="batch" name="batch">$failure</testcase></testsuite>
+<testsuite name="batch" tests="1" failures="$failures" errors="0"><testcase classname="batch" name="batch">$failure</testcase></testsuite>
 END
 exit "$failures"
