@@ -108,8 +108,7 @@ class CalibrationProcedure {
   std::vector<AngleSample> output_;  // output angle in the leg, settled
   bool passed_worst_angle_ = false;
   std::optional<RateHarmonics> forward_;  // of the first leg of a pair
-  std::optional<RateHarmonics> forward_output_;
-  Calibration calibration_;  // in force, with the gains that the loops were told
+  Calibration calibration_;               // in force, with the gains that the loops were told
   std::string failure_;
   bool finished_ = false;
   CalibrationResult result_;
