@@ -86,9 +86,8 @@ IntervalFilter makeFilter() {
 }
 
 void step(IntervalFilter& filter, const Record& record) {
-  filter.step(record.theta, record.phi, record.input, kStep);
-  filter.sample(record.measured);
-  benchmark::DoNotOptimize(filter.update());
+  benchmark::DoNotOptimize(filter.stepAndUpdate(
+      averagedStep(record.theta, record.phi, record.input), kStep, record.measured));
 }
 
 template <typename Real>

@@ -4,29 +4,21 @@
 #include <cstdint>
 #include <cstring>
 
+#include "ring_gyro/common/lanes.h"
 #include "ring_gyro/common/vector_dispatch.h"
 
 namespace ring_gyro {
 namespace {
 
-// A register of eight numbers; the compiler splits it where the machine's are narrower.
-using Lanes = double __attribute__((vector_size(64)));
-constexpr std::size_t kWidth = sizeof(Lanes) / sizeof(double);
+constexpr std::size_t kWidth = kLanes;
 static_assert(kKernelLanes == 2 * kWidth);
 
 using Masks = std::int64_t __attribute__((vector_size(64)));
-using Four = double __attribute__((vector_size(32)));
 
-inline void load(const double* from, Lanes& lanes) { std::memcpy(&lanes, from, sizeof lanes); }
-inline void store(const Lanes& lanes, double* to) { std::memcpy(to, &lanes, sizeof lanes); }
-
-inline double sumOfLanes(const Lanes& low, const Lanes& high) {
-  const Lanes sum = low + high;
-  return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
-}
+inline double sumOfLanes(const Lanes& low, const Lanes& high) { return sumOf(Lanes(low + high)); }
 
 // sum += matrix v, the matrix by columns.
-inline void addProduct(const Four* matrix, const Four& v, Four& sum) {
+inline void addProduct(const FourLanes* matrix, const FourLanes& v, FourLanes& sum) {
   sum = (matrix[0] * v[0] + matrix[1] * v[1]) + (matrix[2] * v[2] + (matrix[3] * v[3] + sum));
 }
 
@@ -212,7 +204,7 @@ std::size_t quantise(double step, double lowest, double highest, std::size_t cou
 RING_GYRO_VECTOR_CLONES
 void runRecurrence(const LinearRecurrence& recurrence, double* state, const double* p,
                    const double* q, std::size_t count, double* first, double* second) {
-  Four e0, e1, e2, e3, hp, hq, output, s;
+  FourLanes e0, e1, e2, e3, hp, hq, output, s;
   std::memcpy(&e0, recurrence.flow, sizeof s);
   std::memcpy(&e1, recurrence.flow + 4, sizeof s);
   std::memcpy(&e2, recurrence.flow + 8, sizeof s);
@@ -222,8 +214,8 @@ void runRecurrence(const LinearRecurrence& recurrence, double* state, const doub
   std::memcpy(&output, recurrence.output, sizeof s);
   std::memcpy(&s, state, sizeof s);
   // Two samples at a time by the squared flow: the chain from state to state is half as long.
-  const Four e[4] = {e0, e1, e2, e3};
-  Four d0{}, d1{}, d2{}, d3{}, gp{}, gq{};
+  const FourLanes e[4] = {e0, e1, e2, e3};
+  FourLanes d0{}, d1{}, d2{}, d3{}, gp{}, gq{};
   addProduct(e, e0, d0);
   addProduct(e, e1, d1);
   addProduct(e, e2, d2);
@@ -232,22 +224,22 @@ void runRecurrence(const LinearRecurrence& recurrence, double* state, const doub
   addProduct(e, hq, gq);
   std::size_t j = 0;
   for (; j + 2 <= count; j += 2) {
-    const Four read = output * s;
+    const FourLanes read = output * s;
     first[j] = read[0] + read[2];
     second[j] = read[1] + read[3];
-    Four next = hp * p[j] + hq * q[j];
+    FourLanes next = hp * p[j] + hq * q[j];
     addProduct(e, s, next);
     next *= output;
     first[j + 1] = next[0] + next[2];
     second[j + 1] = next[1] + next[3];
-    const Four forced = (gp * p[j] + gq * q[j]) + (hp * p[j + 1] + hq * q[j + 1]);
+    const FourLanes forced = (gp * p[j] + gq * q[j]) + (hp * p[j + 1] + hq * q[j + 1]);
     s = (d0 * s[0] + d1 * s[1]) + (d2 * s[2] + (d3 * s[3] + forced));
   }
   if (j < count) {
-    const Four read = output * s;
+    const FourLanes read = output * s;
     first[j] = read[0] + read[2];
     second[j] = read[1] + read[3];
-    Four next = hp * p[j] + hq * q[j];
+    FourLanes next = hp * p[j] + hq * q[j];
     addProduct(e, s, next);
     s = next;
   }
@@ -258,7 +250,7 @@ RING_GYRO_VECTOR_CLONES
 void runGapRecurrence(const LinearRecurrence& recurrence, const GapNodes& nodes, double* state,
                       const double* p, const double* q, std::size_t count, double* first,
                       double* second) {
-  Four e[4], h[2], u[4], v[4], hu[2], hv[2], kick[6], output, s;
+  FourLanes e[4], h[2], u[4], v[4], hu[2], hv[2], kick[6], output, s;
   std::memcpy(e, recurrence.flow, sizeof e);
   std::memcpy(h, recurrence.input, sizeof h);
   std::memcpy(u, nodes.flow[0], sizeof u);
@@ -269,18 +261,18 @@ void runGapRecurrence(const LinearRecurrence& recurrence, const GapNodes& nodes,
   std::memcpy(&output, recurrence.output, sizeof s);
   std::memcpy(&s, state, sizeof s);
   for (std::size_t j = 0; j < count; ++j) {
-    const Four read = output * s;
+    const FourLanes read = output * s;
     first[j] = read[0] + read[2];
     second[j] = read[1] + read[3];
-    const Four volts = {p[j], q[j], p[j], q[j]};
-    Four at_two = hu[0] * p[j] + hu[1] * q[j];
-    Four at_third = hv[0] * p[j] + hv[1] * q[j];
-    Four next = h[0] * p[j] + h[1] * q[j];
+    const FourLanes volts = {p[j], q[j], p[j], q[j]};
+    FourLanes at_two = hu[0] * p[j] + hu[1] * q[j];
+    FourLanes at_third = hv[0] * p[j] + hv[1] * q[j];
+    FourLanes next = h[0] * p[j] + h[1] * q[j];
     addProduct(u, s, at_two);
     addProduct(v, s, at_third);
     addProduct(e, s, next);
-    const Four force_two = volts * (at_two * at_two);
-    const Four force_third = volts * (at_third * at_third);
+    const FourLanes force_two = volts * (at_two * at_two);
+    const FourLanes force_third = volts * (at_third * at_third);
     addProduct(kick, force_two, next);
     s = next + (kick[4] * force_third[0] + kick[5] * force_third[1]);
   }

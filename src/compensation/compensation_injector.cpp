@@ -25,9 +25,11 @@ const InjectorParameters& checked(const InjectorParameters& parameters) {
   return parameters;
 }
 
+double square(double x) { return x * x; }
+
 /// A sum is finite only when all of it is.
 bool finite(const ParameterEstimate& estimate) {
-  return std::isfinite(estimate.value.sum() + estimate.covariance.sum());
+  return std::isfinite(estimate.value.sum() + estimate.variance.sum());
 }
 
 }  // namespace
@@ -91,8 +93,8 @@ CompensationDecision CompensationInjector::decide(const ParameterEstimate& estim
     decision.state = InjectorState::kHolding;
   } else if (!gateOpen(estimate)) {
     decision.state = InjectorState::kWaiting;
-  } else if (std::hypot(estimate.value[kGamma1], estimate.value[kGamma2]) >
-             parameters_.gamma_limit) {
+  } else if (square(estimate.value[kGamma1]) + square(estimate.value[kGamma2]) >
+             square(parameters_.gamma_limit)) {
     decision.state = InjectorState::kLimited;
   } else {
     drive_gain_ = estimate.value[kDriveGain];
@@ -122,8 +124,8 @@ void CompensationInjector::reset() {
 bool CompensationInjector::gateOpen(const ParameterEstimate& estimate) const {
   const double used = static_cast<double>(estimate.used_blocks) * estimate.stamp.duration();
   return finite(estimate) && estimate.converged && estimate.value[kDriveGain] > 0.0 &&
-         estimate.sigma(kGamma1) <= parameters_.gamma_sigma_limit &&
-         estimate.sigma(kGamma2) <= parameters_.gamma_sigma_limit &&
+         estimate.variance[kGamma1] <= square(parameters_.gamma_sigma_limit) &&
+         estimate.variance[kGamma2] <= square(parameters_.gamma_sigma_limit) &&
          used >= parameters_.start_after;
 }
 
@@ -131,7 +133,7 @@ bool CompensationInjector::gateOpen(const ParameterEstimate& estimate) const {
 void CompensationInjector::rampTowards(double gamma1, double gamma2, double duration) {
   const double step1 = gamma1 - gamma1_;
   const double step2 = gamma2 - gamma2_;
-  const double distance = std::hypot(step1, step2);
+  const double distance = std::sqrt(square(step1) + square(step2));
   const double reach = parameters_.ramp_rate * duration;
   if (distance <= reach) {
     gamma1_ = gamma1;

@@ -58,7 +58,7 @@ void BatchLeastSquares::add(const OrbitalElements& elements, const ControlGains&
     return;
   }
   const std::uint64_t sequence = elements.stamp.sequence;
-  const BlockChain::Block& now = chain_.block(sequence);
+  const BlockChain::Block now = chain_.block(sequence);
   if (samples_.size() < period_blocks_) {
     first_look_.add(now.orbit, now.drive, now.reference_frequency);
   }
@@ -68,7 +68,7 @@ void BatchLeastSquares::add(const OrbitalElements& elements, const ControlGains&
   sample.durations = {0.0, 0.0};
   sample.middles = {0.0, 0.0};
   if (chained_) {
-    const Orbit& before = chain_.block(sequence - 1).orbit;
+    const Orbit before = chain_.block(sequence - 1).orbit;
     const std::array<ChainSegment, 2> segments = chain_.segments(sequence);
     for (std::size_t k = 0; k < 2; ++k) {
       const ChainSegment& segment = segments[k];

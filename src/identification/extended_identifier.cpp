@@ -135,7 +135,7 @@ double ExtendedIdentifier::restartSigma(double amplitude) const {
 }
 
 void ExtendedIdentifier::gather(std::uint64_t sequence, bool first_of_period) {
-  const BlockChain::Block& now = chain_.block(sequence);
+  const BlockChain::Block now = chain_.block(sequence);
   if (first_of_period) {
     lowest_theta_in_period_ = highest_theta_in_period_ = now.orbit.theta;
     first_look_ = FirstLookSum();
@@ -183,8 +183,8 @@ std::uint64_t ExtendedIdentifier::updateBlocks() const {
 }
 
 void ExtendedIdentifier::propagate(std::uint64_t sequence) {
-  const Orbit& before = chain_.block(sequence - 1).orbit;
-  const Orbit& now = chain_.block(sequence).orbit;
+  const Orbit before = chain_.block(sequence - 1).orbit;
+  const Orbit now = chain_.block(sequence).orbit;
   const Eigen::Vector4d measured_before = realParts(envelopeFromOrbit(before));
   const Eigen::Vector4d measured_change = realParts(envelopeFromOrbit(now)) - measured_before;
   for (const ChainSegment& segment : chain_.segments(sequence)) {
@@ -262,7 +262,7 @@ void ExtendedIdentifier::reconsider(std::uint64_t sequence) {
     cubic_moved = square_amplitude * std::abs(value[cubic] - cubic_at_start_);
   }
   EnvelopeInput input;
-  const BlockChain::Block& now = chain_.block(sequence);
+  const BlockChain::Block now = chain_.block(sequence);
   input.drive = now.drive;
   input.reference_frequency = now.reference_frequency;
   input.theta = now.orbit.theta;

@@ -69,20 +69,6 @@ IntervalNoise intervalNoise(const IdentificationParameters& parameters, double b
   return noise;
 }
 
-/// Finite, an ellipse, and not so large that a square could overflow later.
-bool plausible(const OrbitalElements& elements, const ControlGains& gains) {
-  constexpr double kLimit = 1e12;
-  const auto within = [](double x) { return std::abs(x) < kLimit; };  // false for NaN
-  const Orbit& orbit = elements.orbit;
-  const Eigen::Vector2cd drive = gains.drive.total();
-  return within(orbit.a) && within(orbit.b) && within(orbit.theta) && within(orbit.phi) &&
-         std::abs(orbit.b) < orbit.a && std::isfinite(elements.group_delay) &&
-         within(drive.x().real()) && within(drive.x().imag()) && within(drive.y().real()) &&
-         within(drive.y().imag()) && within(gains.reference_phase) &&
-         within(gains.reference_frequency) && gains.reference_frequency > 0.0 &&
-         within(gains.compensation.gain1) && within(gains.compensation.gain2);
-}
-
 }  // namespace
 
 void IdentificationParameters::declare(ParameterTable& table) {
@@ -127,34 +113,54 @@ Identifier::Identifier(const IdentificationParameters& parameters,
                                     ring_gyro::periodBlocks(parameters, converter))),
       period_blocks_(ring_gyro::periodBlocks(parameters, converter)),
       period_(static_cast<double>(period_blocks_) * converter.blockDuration()),
-      block_duration_ns_(converter.blockDurationNanoseconds()),
-      sample_sigma_(parameters.noise_density / std::sqrt(converter.blockDuration())) {}
+      sample_sigma_(parameters.noise_density / std::sqrt(converter.blockDuration())),
+      chain_(converter.blockDurationNanoseconds()) {}
+
+inline void Identifier::take(const Orbit& orbit, const ControlGains& gains, bool first_of_period,
+                             bool last_of_period) {
+  if (first_of_period) startPeriod(orbit, gains.reference_frequency);
+  lowest_theta_in_period_ = std::min(lowest_theta_in_period_, orbit.theta);
+  highest_theta_in_period_ = std::max(highest_theta_in_period_, orbit.theta);
+  if (!scaled_) {
+    addToScale(orbit, gains);
+    return;
+  }
+  if (!first_of_period || chained_) ++waiting_;
+  if (waiting_ < most_waiting_ && !last_of_period) return;
+  takeWaiting(last_of_period);
+}
 
 const ParameterEstimate* Identifier::process(const OrbitalElements& elements,
                                              const ControlGains& gains) {
   const BlockStamp& stamp = elements.stamp;
-  if (!started_ || stamp.session != last_stamp_.session || stamp.sequence <= last_stamp_.sequence) {
-    restart(stamp);
-  } else if (stamp.sequence != last_stamp_.sequence + 1) {
-    skipLost(stamp);
-  }
-
   const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
-  const bool first_of_period = stamp.sequence % period_blocks == 0;
+  if (started_ && stamp.session == last_stamp_.session &&
+      stamp.sequence == last_stamp_.sequence + 1) {
+    if (++block_of_period_ == period_blocks) block_of_period_ = 0;
+  } else {
+    if (!started_ || stamp.session != last_stamp_.session ||
+        stamp.sequence <= last_stamp_.sequence) {
+      restart(stamp);
+    } else {
+      skipLost(stamp);
+    }
+    block_of_period_ = stamp.sequence % period_blocks;
+  }
+  last_stamp_ = stamp;
+  const bool first_of_period = block_of_period_ == 0;
+  const bool last_of_period = block_of_period_ + 1 == period_blocks;
   if (first_of_period) {
     blocks_in_period_ = 0;
     complete_ = true;
   }
   ++blocks_in_period_;
 
-  const bool admitted = admit(elements, gains);
-  last_stamp_ = stamp;
-  if (!admitted) {
+  if (!chain_.admit(elements, gains, 0.0)) {
     breakChain();
   } else if (complete_) {
-    gather(stamp.sequence, stamp.duration(), first_of_period);
+    take(elements.orbit, gains, first_of_period, last_of_period);
   }
-  if ((stamp.sequence + 1) % period_blocks != 0) return nullptr;
+  if (!last_of_period) return nullptr;
   finishPeriod(stamp, gains.compensation);
   return &estimate_;
 }
@@ -164,7 +170,7 @@ void Identifier::restart(const BlockStamp& stamp) {
   started_ = true;
   first_sequence_ = stamp.sequence;
   used_ = rejected_ = lost_ = 0;
-  usable_run_ = 0;
+  chain_.reset();
   scaled_ = chained_ = complete_ = false;
   blocks_in_period_ = 0;
   lowest_theta_ = highest_theta_ = 0.0;
@@ -174,132 +180,61 @@ void Identifier::skipLost(const BlockStamp& stamp) {
   lost_ += stamp.sequence - last_stamp_.sequence - 1;
   const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
   if (stamp.sequence / period_blocks != last_stamp_.sequence / period_blocks &&
-      (last_stamp_.sequence + 1) % period_blocks != 0) {
+      block_of_period_ + 1 != period_blocks) {
     rejected_ += blocks_in_period_;  // of a period whose end was lost
     blocks_in_period_ = 0;
   }
-  usable_run_ = 0;
+  chain_.reset();
   breakChain();
 }
 
-/// Remembers the block when it can be used; true when all that its elements depend on can be too.
-bool Identifier::admit(const OrbitalElements& elements, const ControlGains& gains) {
-  const BlockStamp& stamp = elements.stamp;
-  const bool paired =
-      gains.stamp.session == stamp.session && gains.stamp.sequence == stamp.sequence;
-  const bool timed = stamp.end_ns > 0 && stamp.duration_ns == block_duration_ns_;
-  const bool usable = paired && timed && elements.status.usable() && gains.status.usable() &&
-                      plausible(elements, gains);
-  if (!usable) {
-    usable_run_ = 0;
-    return false;
-  }
-  const bool follows = usable_run_ > 0 && stamp.sequence == last_stamp_.sequence + 1 &&
-                       stamp.end_ns - last_stamp_.end_ns == block_duration_ns_ &&
-                       elements.group_delay == group_delay_;
-  if (!follows) {
-    usable_run_ = 0;
-    if (!setDelay(elements.group_delay, stamp.duration())) return false;
-  }
-  memory_[stamp.sequence % kMemory] = {elements.orbit, gains.drive.total(), gains.reference_phase,
-                                       gains.reference_frequency};
-  ++usable_run_;
-  return usable_run_ >= filter_memory_;
-}
-
-bool Identifier::setDelay(double group_delay, double duration) {
-  const double blocks = group_delay / duration;
-  if (!(blocks >= 0.0) || 2.0 * blocks + 2.0 > static_cast<double>(kMemory)) return false;
-  // A delay of whole blocks up to rounding has no rest.
-  const double whole = std::floor(blocks + 1e-9);
-  group_delay_ = group_delay;
-  whole_delay_ = static_cast<std::uint64_t>(whole);
-  rest_of_delay_ = blocks - whole > 1e-9 ? blocks - whole : 0.0;
-  filter_memory_ =
-      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(2.0 * blocks - 1e-9)));
-  return true;
-}
-
-void Identifier::gather(std::uint64_t sequence, double duration, bool first_of_period) {
-  const Block& now = block(sequence);
-  if (first_of_period) {
-    lowest_theta_in_period_ = highest_theta_in_period_ = now.orbit.theta;
-    amplitude_sum_ = frequency_sum_ = drive_sum_ = 0.0;
-  }
-  lowest_theta_in_period_ = std::min(lowest_theta_in_period_, now.orbit.theta);
-  highest_theta_in_period_ = std::max(highest_theta_in_period_, now.orbit.theta);
-
-  if (!scaled_) {
-    const std::complex<double> along =
-        std::cos(now.orbit.theta) * now.drive.x() + std::sin(now.orbit.theta) * now.drive.y();
-    amplitude_sum_ += now.orbit.a;
-    frequency_sum_ += now.reference_frequency;
-    drive_sum_ += (std::polar(1.0, -now.orbit.phi) * along).imag();
-    return;
-  }
-  const Eigen::Vector2d axes(now.orbit.a, now.orbit.b);
-  const bool restarted = first_of_period && !chained_;
+void Identifier::startPeriod(const Orbit& orbit, double reference_frequency) {
+  lowest_theta_in_period_ = highest_theta_in_period_ = orbit.theta;
+  amplitude_sum_ = frequency_sum_ = drive_sum_ = 0.0;
+  waiting_ = 0;
+  if (!scaled_) return;
+  const Eigen::Vector2d axes(orbit.a, orbit.b);
   // Wide enough that the period's mean decides, and not this one sample.
-  if (restarted) filter_.restartAxes(axes, 0.01 * now.orbit.a + 10.0 * sample_sigma_);
-  if (first_of_period) {
-    by_blocks_ =
-        period_blocks_ == 1 ||
-        !filter_.isLinearOver(period_, static_cast<int>(period_blocks_), now.reference_frequency);
-  }
-  if (!restarted) {
-    propagate(sequence, duration);
-  }
-  filter_.sample(axes);
-  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
-  if (by_blocks_ || (sequence + 1) % period_blocks == 0) {
-    update_ = filter_.update();
-    chained_ = update_.accepted;
-    if (!update_.accepted) breakChain();
-  }
+  if (!chained_) filter_.restartAxes(axes, 0.01 * orbit.a + 10.0 * sample_sigma_);
+  by_blocks_ =
+      period_blocks_ == 1 ||
+      !filter_.isLinearOver(period_, static_cast<int>(period_blocks_), reference_frequency);
+  most_waiting_ = by_blocks_ ? 1 : static_cast<int>(kLanes);
+  if (!chained_) filter_.sample(axes);
 }
 
-/// From where the elements of the block before are valid to where those of this block are. Both
-/// moments lie the rest of the delay before the end of a block; drive and frequency change in
-/// between.
-///
-/// One step takes both drives to second order: their means are those that a response which decays
-/// meets at the end of the step, for which what is late counts more, and a change of drive late in
-/// the step meets a pattern that has turned on.
-void Identifier::propagate(std::uint64_t sequence, double duration) {
-  const Block& before = block(sequence - 1);
-  const Block& now = block(sequence);
-  const Block& acted_first = block(sequence - 1 - whole_delay_);
-  const Block& acted_then = block(sequence - whole_delay_);
-  const double theta_change = now.orbit.theta - before.orbit.theta;
-  const double phi_change = now.orbit.phi - before.orbit.phi;
-  const double decay = model_.decayRate() * duration;
-  const double middle = 0.5 + decay / 12.0;  // of the weights e^(-decay (1 - s)), 0 <= s <= 1
-  const double share = rest_of_delay_;
-  const double moment = 0.5 * share * (1.0 - share);  // of a unit step about the middle
-  const double first = share - moment * decay;
-  const double then = 1.0 - first;
+void Identifier::addToScale(const Orbit& orbit, const ControlGains& gains) {
+  const Eigen::Vector2cd drive = gains.drive.total();
+  const std::complex<double> along =
+      std::cos(orbit.theta) * drive.x() + std::sin(orbit.theta) * drive.y();
+  amplitude_sum_ += orbit.a;
+  frequency_sum_ += gains.reference_frequency;
+  drive_sum_ += (std::polar(1.0, -orbit.phi) * along).imag();
+}
 
-  AveragedInput input;
-  input.pattern_rate = theta_change / duration;
-  input.reference_frequency =
-      first * acted_first.reference_frequency + then * acted_then.reference_frequency;
-  // A drive acts in proportion to 1 / w, and less by a sinc where the pattern turns away under it.
-  const double scale = (1.0 - theta_change * theta_change / 24.0) * input.reference_frequency;
-  const double first_scale = first * scale / acted_first.reference_frequency;
-  const double then_scale = then * scale / acted_then.reference_frequency;
-  const Eigen::Vector2cd late = moment * (acted_then.drive - acted_first.drive);
-  // Turning the pattern turns Fx into Fy and Fy into -Fx; turning phi multiplies both by -i.
-  const auto turned = [&](const std::complex<double>& along, const std::complex<double>& across) {
-    return std::complex<double>(theta_change * across.real() + phi_change * along.imag(),
-                                theta_change * across.imag() - phi_change * along.real());
-  };
-  input.drive = first_scale * acted_first.drive + then_scale * acted_then.drive +
-                driveStep(acted_first.drive, acted_then.drive, acted_then.reference_phase,
-                          acted_then.reference_frequency, duration);
-  input.drive.x() += turned(late.x(), late.y());
-  input.drive.y() += turned(late.y(), -late.x());
-  filter_.step(before.orbit.theta + middle * theta_change, before.orbit.phi + middle * phi_change,
-               input, duration);
+void Identifier::takeWaiting(bool last_of_period) {
+  const std::uint64_t first = last_stamp_.sequence + 1 - static_cast<std::uint64_t>(waiting_);
+  if (by_blocks_ && waiting_ == 1) {
+    AveragedStep<double> step;
+    chain_.step(first, model_.decayRate(), step);
+    Eigen::Vector2d axes;
+    chain_.axes(first, axes[0], axes[1]);
+    update_ = filter_.stepAndUpdate(step, chain_.blockDuration(), axes);
+  } else {
+    if (waiting_ > 0) {
+      AveragedStep<Lanes> steps;
+      chain_.steps(first, model_.decayRate(), steps);
+      Lanes a, b;
+      chain_.axes(first, a, b);
+      filter_.steps(steps, waiting_, chain_.blockDuration(), a, b);
+    }
+    waiting_ = 0;
+    if (!by_blocks_ && !last_of_period) return;
+    update_ = filter_.update();
+  }
+  waiting_ = 0;
+  chained_ = update_.accepted;
+  if (!update_.accepted) breakChain();
 }
 
 void Identifier::breakChain() {
@@ -345,11 +280,10 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
   estimate.angle_covered = highest_theta_ - lowest_theta_;
   if (scaled_) {
     estimate.value = filter_.value();
-    estimate.covariance = filter_.covariance();
+    estimate.variance = filter_.variance();
   } else {
     estimate.value.setZero();
-    estimate.covariance.setZero();
-    estimate.covariance.diagonal() << kUnknownVariance, kUnknownVariance,
+    estimate.variance << kUnknownVariance, kUnknownVariance,
         square(parameters_.initial_gamma_sigma), square(parameters_.initial_gamma_sigma),
         square(parameters_.initial_mu_sigma), square(parameters_.initial_mu_sigma),
         kUnknownVariance;
@@ -391,14 +325,19 @@ bool Identifier::setScale() {
 }
 
 bool Identifier::converged() const {
-  const ParameterEstimate& estimate = estimate_;
-  return scaled_ && estimate.sigma(kGamma1) < parameters_.converged_gamma_sigma &&
-         estimate.sigma(kGamma2) < parameters_.converged_gamma_sigma &&
-         estimate.sigma(kMu1) < parameters_.converged_mu_sigma &&
-         estimate.sigma(kMu2) < parameters_.converged_mu_sigma &&
-         estimate.sigma(kDriveGain) <
-             parameters_.converged_drive_gain_sigma * std::abs(estimate.value[kDriveGain]) &&
-         estimate.angle_covered >= parameters_.converged_angle;
+  const StateVector& variance = estimate_.variance;
+  const double gamma = square(parameters_.converged_gamma_sigma);
+  const double mu = square(parameters_.converged_mu_sigma);
+  return scaled_ && variance[kGamma1] < gamma && variance[kGamma2] < gamma && variance[kMu1] < mu &&
+         variance[kMu2] < mu &&
+         variance[kDriveGain] <
+             square(parameters_.converged_drive_gain_sigma * estimate_.value[kDriveGain]) &&
+         estimate_.angle_covered >= parameters_.converged_angle;
+}
+
+StateMatrix Identifier::covariance() const {
+  if (scaled_) return filter_.covariance();
+  return StateMatrix(estimate_.variance.asDiagonal());
 }
 
 }  // namespace ring_gyro

@@ -81,12 +81,12 @@ void AxesBound::process(const OrbitalElements& elements, const ControlGains& gai
     return;
   }
   const std::uint64_t sequence = elements.stamp.sequence;
-  const Orbit& now = chain_.block(sequence).orbit;
+  const Orbit now = chain_.block(sequence).orbit;
   if (!chained_) {
     axes_ << now.a, now.b;
     bound_.forgetMoving(unknown(sample_variance_));
   } else {
-    const Orbit& before = chain_.block(sequence - 1).orbit;
+    const Orbit before = chain_.block(sequence - 1).orbit;
     AveragedInput input;
     input.pattern_rate = (now.theta - before.theta) / elements.stamp.duration();
     for (const ChainSegment& segment : chain_.segments(sequence)) {
@@ -126,13 +126,13 @@ void EnvelopeBound::process(const OrbitalElements& elements, const ControlGains&
     return;
   }
   const std::uint64_t sequence = elements.stamp.sequence;
-  const Orbit& now = chain_.block(sequence).orbit;
+  const Orbit now = chain_.block(sequence).orbit;
   const Eigen::Index size = truth_.size();
   if (!chained_) {
     truth_.head<4>() = model_.undistorted(realParts(envelopeFromOrbit(now)), truth_);
     bound_.forgetMoving(unknown(sample_variance_));
   } else {
-    const Orbit& before = chain_.block(sequence - 1).orbit;
+    const Orbit before = chain_.block(sequence - 1).orbit;
     for (const ChainSegment& segment : chain_.segments(sequence)) {
       if (segment.duration <= 0.0) continue;
       EnvelopeInput input;

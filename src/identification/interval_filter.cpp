@@ -2,31 +2,24 @@
 
 #include <cmath>
 
+#include "ring_gyro/common/unrolled.h"
 #include "ring_gyro/common/vector_dispatch.h"
 
 namespace ring_gyro {
-
 namespace {
 
-/// Takes the measured axes, the first two states, one after the other. `innovation` is that of
-/// both before; `correction` is what the states gain.
-template <int Moving>
-IntervalUpdate measureAxes(FactoredCovariance<Moving>& covariance,
-                           const Eigen::Vector2d& innovation, double noise_variance,
-                           typename FactoredCovariance<Moving>::Vector& correction) {
-  const auto a = covariance.template measure<0>(noise_variance);
-  const auto b = covariance.template measure<1>(noise_variance);
-  const double a_share = innovation[0] * a.inverse_variance;
-  const double b_innovation = innovation[1] - a_share * a.cross[1];
-  const double b_share = b_innovation * b.inverse_variance;
-  correction = a_share * a.cross + b_share * b.cross;
+constexpr int kParameters = FactoredCovariance::kSize;
 
-  IntervalUpdate update;
-  update.innovation = innovation;
-  update.innovation_covariance << a.variance, a.cross[1], a.cross[1],
-      b.variance + a.cross[1] * a.cross[1] * a.inverse_variance;
-  update.normalised_innovation_squared = innovation[0] * a_share + b_innovation * b_share;
-  return update;
+// Steps whose derivatives are taken at once: so few that the envelope hardly turns meanwhile.
+constexpr int kMostGathered = 4 * static_cast<int>(kLanes);
+
+TwoLanes pairOf(const Eigen::Vector2d& vector) { return TwoLanes{vector[0], vector[1]}; }
+
+TwoLanes product(const FactoredCovariance::Regression& regression,
+                 const std::array<double, kParameters>& parameters) {
+  TwoLanes sum = regression[0] * parameters[0];
+  unrolled<1, kParameters>([&](auto k) { sum += regression[k] * parameters[k]; });
+  return sum;
 }
 
 }  // namespace
@@ -39,8 +32,12 @@ IntervalFilter::IntervalFilter(const AveragedModel& model, const IntervalNoise& 
 void IntervalFilter::initialise(const StateVector& value, const StateVector& sigma,
                                 const ParameterVector& walk, double memory_time) {
   drive_gain_scale_ = value[kDriveGain];
-  value_ = value;
-  covariances_[present_] = Covariance(sigma.cwiseAbs2());
+  Belief& belief = beliefs_[present_];
+  belief.axes = pairOf(value.head<2>());
+  for (int k = 0; k < kParameters; ++k) belief.parameters[k] = value[2 + k];
+  belief.covariance = FactoredCovariance(ParameterVector(sigma.tail<5>().cwiseAbs2()));
+  belief.regression.fill(TwoLanes{});
+  belief.conditional = diagonal(sigma[kA] * sigma[kA], sigma[kB] * sigma[kB]);
   variance_growth_ = walk.cwiseAbs2();
   walks_ = !variance_growth_.isZero(0.0);
   memory_time_ = memory_time;
@@ -48,164 +45,340 @@ void IntervalFilter::initialise(const StateVector& value, const StateVector& sig
 }
 
 void IntervalFilter::restartAxes(const Eigen::Vector2d& axes, double sigma) {
-  value_.head<2>() = axes;
-  covariances_[present_].restartMoving(sigma * sigma);
+  Belief& belief = beliefs_[present_];
+  belief.axes = pairOf(axes);
+  belief.regression.fill(TwoLanes{});
+  belief.conditional = diagonal(sigma * sigma, sigma * sigma);
   abandon();
 }
 
 void IntervalFilter::abandon() {
-  device_ = device();
-  axes_ = value_.head<2>();
+  axes_ = present().axes;
   elapsed_ = 0.0;
-  moved_ = summed_ = false;
-  samples_ = 0;
+  samples_ = gathered_steps_ = 0;
 }
 
-DeviceParameters IntervalFilter::device() const {
-  return {value_[kGamma1], value_[kGamma2], value_[kMu1], value_[kMu2], value_[kDriveGain]};
+inline DeviceParameters IntervalFilter::device() const {
+  const Parameters& p = present().parameters;
+  return {p[0], p[1], p[2], p[3], p[4]};
 }
 
 bool IntervalFilter::isLinearOver(double duration, int samples, double reference_frequency) const {
-  const auto sigma = [this](int state) {
-    return std::sqrt(covariances_[present_].variance(state));
-  };
+  const StateVector variances = variance();
+  const auto sigma = [&variances](int state) { return std::sqrt(variances[state]); };
   const double decay = model_.decayRate();
   const double gamma = decay * std::hypot(sigma(kGamma1), sigma(kGamma2));
   const double mu = 0.5 * reference_frequency * std::hypot(sigma(kMu1), sigma(kMu2));
   const double force = decay * sigma(kDriveGain) / std::abs(drive_gain_scale_);
   // The axes are off by what they are off now and by what they gather on the way; the uncertain
   // rates act on that error.
-  const double gathered = 0.5 * (gamma + mu + force) * duration * axes_.norm();
+  const double gathered = 0.5 * (gamma + mu + force) * duration * std::hypot(axes_[0], axes_[1]);
   const double axes = std::hypot(sigma(kA), sigma(kB)) + gathered;
   const double neglected = axes * (gamma + mu) * duration;
   return neglected < 0.1 * std::sqrt(noise_.sample_variance / samples);
 }
 
-void IntervalFilter::step(double theta, double phi, const AveragedInput& input, double duration) {
-  const AxesStep step = model_.axesStep({axes_[0], axes_[1], theta, phi}, device_, input, duration);
-
-  const Eigen::Matrix2d& by_angles = step.rate_by_angles;
-  const double angle_variance = duration * noise_.angle_density / axes_.squaredNorm();
-  Eigen::Matrix2d noise = angle_variance * by_angles * by_angles.transpose();
-  noise.diagonal().array() += duration * noise_.axes_density;
-
-  axes_ = step.axes;
-  elapsed_ += duration;
-  if (!moved_) {
-    moved_ = true;
-    sensitivity_.leftCols<2>() = step.by_axes;
-    sensitivity_.rightCols<5>() = step.by_parameters;
-    noise_end_ = noise;
-    return;
-  }
-  if (samples_ == 1) beginSums();
-  for (int state = 0; state < sensitivity_.cols(); ++state) {
-    sensitivity_.col(state) = step.by_axes * Eigen::Vector2d(sensitivity_.col(state));
-  }
-  sensitivity_.rightCols<5>() += step.by_parameters;
-  noise_end_ = step.by_axes * Eigen::Matrix2d(noise_end_ * step.by_axes.transpose()) + noise;
-  if (samples_ > 0) noise_end_sum_ = step.by_axes * Eigen::Matrix2d(noise_end_sum_);
-}
-
-/// An interval of one sample, the usual one at the rate of the blocks, has no need of sums.
-void IntervalFilter::beginSums() {
-  if (summed_) return;
-  summed_ = true;
-  sensitivity_sum_ = sensitivity_;
-  noise_sum_ = noise_end_;
-  noise_end_sum_ = noise_end_;
-}
-
 void IntervalFilter::sample(const Eigen::Vector2d& measured) {
-  if (!moved_) {
-    // Sampled where the interval begins.
-    moved_ = true;
-    sensitivity_ << Eigen::Matrix2d::Identity(), Eigen::Matrix<double, 2, 5>::Zero();
-    noise_end_.setZero();
-  }
-  if (samples_ == 1) beginSums();
-  if (++samples_ == 1) {
-    predicted_sum_ = axes_;
-    measured_sum_ = measured;
-    return;
-  }
-  predicted_sum_ += axes_;
-  measured_sum_ += measured;
-  sensitivity_sum_ += sensitivity_;
-  noise_sum_ += noise_end_sum_ + noise_end_sum_.transpose() + noise_end_;
-  noise_end_sum_ += noise_end_;
+  start();
+  sensitivity_sum_ = sensitivity_;
+  predicted_sum_ = axes_;
+  measured_sum_ = pairOf(measured);
+  samples_ = 1;
 }
 
-IntervalUpdate IntervalFilter::update() {
-  if (samples_ == 0) return {};
-  StateVector value;
+RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::step(const AveragedStep<double>& step,
+                                                                 double duration,
+                                                                 const Eigen::Vector2d& measured) {
+  if (gathered_steps_ > 0) advance();
+  startGathering(duration);
+  gathered_ = AxesDynamics<double>(model_.decayRate(), model_.angularFrequency(), step);
+  gathered_steps_ = 1;
+  axes_ = AxesRatePairs(gathered_, device()).step(axes_, duration).axes;
+  predicted_sum_ += axes_;
+  measured_sum_ += pairOf(measured);
+  advance();
+}
+
+RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::steps(
+    const AveragedStep<Lanes>& steps, int count, double duration, const Lanes& measured_a,
+    const Lanes& measured_b) {
+  const AxesDynamics<Lanes> dynamics(model_.decayRate(), model_.angularFrequency(), steps);
+  const AxesTransition<Lanes> each = dynamics.transition(device(), duration);
+  if (gathered_steps_ == 0) startGathering(duration);
+  AxesDynamics<double> gathered = gathered_;
+  double a = axes_[0], b = axes_[1];
+  double a_predicted = 0.0, b_predicted = 0.0;
+  double a_measured = 0.0, b_measured = 0.0;
+// Short code counts: it is run once in several blocks, and then comes from far.
+#pragma GCC unroll 1
+  for (int k = 0; k < count; ++k) {
+    const double a_change = (each.aa[k] * a + each.ab[k] * b) + each.a_force[k];
+    const double b_change = (each.ba[k] * a + each.bb[k] * b) + each.b_force[k];
+    a += a_change;
+    b += b_change;
+    a_predicted += a;
+    b_predicted += b;
+    a_measured += measured_a[k];
+    b_measured += measured_b[k];
+    gathered.add(dynamics, static_cast<std::size_t>(k));
+  }
+  gathered_ = gathered;
+  gathered_steps_ += count;
+  axes_ = TwoLanes{a, b};
+  predicted_sum_ += TwoLanes{a_predicted, b_predicted};
+  measured_sum_ += TwoLanes{a_measured, b_measured};
+  if (gathered_steps_ >= kMostGathered) advance();
+}
+
+void IntervalFilter::start() {
+  sensitivity_ = sensitivity_sum_ = Sensitivity();
+  sensitivity_.by_axes = diagonal(1.0, 1.0);
+  noise_end_ = noise_end_sum_ = noise_sum_ = Square();
+  predicted_sum_ = measured_sum_ = TwoLanes{};
+}
+
+/// Steps from here on are to be one step of the derivatives.
+void IntervalFilter::startGathering(double duration) {
+  if (samples_ == 0) start();
+  gathered_ = {};
+  gathered_.decay = model_.decayRate();
+  gathered_from_ = axes_;
+  step_duration_ = duration;
+}
+
+/// Process noise of a and b in one of the steps of `duration` that `step` is made of.
+inline Square IntervalFilter::stepNoise(const AxesStepPairs& step, double duration) const {
+  const TwoLanes& axes = present().axes;
+  const double angle_variance =
+      duration * noise_.angle_density / (axes[0] * axes[0] + axes[1] * axes[1]);
+  const double density = duration * noise_.axes_density;
+  return angle_variance * (outer(step.rate_by_angles.first, step.rate_by_angles.first) +
+                           outer(step.rate_by_angles.second, step.rate_by_angles.second)) +
+         diagonal(density, density);
+}
+
+/// Derivatives and noise of the interval after the steps that have been gathered. Within them the
+/// derivatives change in proportion to time, and so does the variance that the steps add.
+RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::advance() {
+  const DeviceParameters parameters = device();
+  const double n = gathered_steps_;
+  const AxesDynamics<double> mean = gathered_.over(n);
+  const AxesStepPairs step =
+      AxesRatePairs(mean, parameters).step(gathered_from_, n * step_duration_);
+  const Square noise = stepNoise(step, step_duration_);
+  const Square& transition = step.by_axes;
+  elapsed_ += n * step_duration_;
+  samples_ += gathered_steps_;
+  gathered_steps_ = 0;
+
+  // What the start passes on to the sum of the samples.
+  const Square to_sum = 0.5 * (n + 1.0) * transition + diagonal(0.5 * (n - 1.0), 0.5 * (n - 1.0));
+  sensitivity_sum_.by_axes = sensitivity_sum_.by_axes + to_sum * sensitivity_.by_axes;
+  sensitivity_.by_axes = transition * sensitivity_.by_axes;
+  for (int k = 0; k < kParameters; ++k) {
+    TwoLanes& by_parameter = sensitivity_.by_parameters[k];
+    sensitivity_sum_.by_parameters[k] +=
+        to_sum * by_parameter + 0.5 * (n + 1.0) * step.by_parameters[k];
+    by_parameter = transition * by_parameter + step.by_parameters[k];
+  }
+
+  const Square start_with_sum = noise_end_ * transposed(to_sum);
+  const Square sum_with_sum = to_sum * noise_end_sum_;
+  const double in_end_and_sum = 0.5 * n * (n + 1.0);
+  const double in_sum = in_end_and_sum * (2.0 * n + 1.0) / 3.0;
+  noise_sum_ = noise_sum_ + (sum_with_sum + transposed(sum_with_sum)) + to_sum * start_with_sum +
+               in_sum * noise;
+  noise_end_sum_ = transition * (noise_end_sum_ + start_with_sum) + in_end_and_sum * noise;
+  noise_end_ = transition * (noise_end_ * transposed(transition)) + n * noise;
+}
+
+RING_GYRO_NOT_INLINE IntervalUpdate IntervalFilter::update() {
+  if (gathered_steps_ > 0) advance();
+  IntervalUpdate update;
+  if (samples_ == 0) return update;
+  measureMean(beliefs_[1 - present_], update);
+  keep(sensitivity_sum_.by_parameters, update);
+  return update;
+}
+
+RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN IntervalUpdate IntervalFilter::stepAndUpdate(
+    const AveragedStep<double>& step, double duration, const Eigen::Vector2d& measured) {
+  if (samples_ > 0 || gathered_steps_ > 0) {
+    this->step(step, duration, measured);
+    return update();
+  }
+  const DeviceParameters parameters = device();
+  const AxesDynamics<double> dynamics(model_.decayRate(), model_.angularFrequency(), step);
+  const AxesStepPairs taken = AxesRatePairs(dynamics, parameters).step(axes_, duration);
+  elapsed_ = duration;
   IntervalUpdate result;
-  if (samples_ == 1) {
-    measureSample(value, result);
-  } else {
-    measureMean(value, result);
-  }
-  Covariance& covariance = covariances_[1 - present_];
-  result.accepted = std::isfinite(value.sum() + result.innovation_covariance.sum() +
-                                  result.normalised_innovation_squared) &&
-                    covariance.isFinite();
-  if (!result.accepted) {
-    abandon();
-    return {};
-  }
-  if (walks_) covariance.addToConstants(elapsed_ * variance_growth_);
-  if (memory_time_ > 0.0) forget(covariance);
-  present_ = 1 - present_;
-  value_ = value;
-  abandon();
+  measureStep(taken, stepNoise(taken, duration), pairOf(measured) - taken.axes,
+              beliefs_[1 - present_], result);
+  keep(taken.by_parameters, result);
   return result;
+}
+
+/// What is measured of the axes tells of the parameters, on which it depends by `regression`, given
+/// them with covariance `conditional`, noise and all. The two axes are taken one after the other,
+/// the second less what it has in common with the first. Gives what the parameters gain.
+inline IntervalFilter::Parameters IntervalFilter::measureParameters(
+    const Regression& regression, const Square& conditional, const TwoLanes& innovation,
+    const FactoredCovariance& covariance, FactoredCovariance& next, IntervalUpdate& update) {
+  const double shared = conditional.second[0] / conditional.first[0];
+  Parameters row, second_row;
+  unrolled<0, kParameters>([&](auto k) {
+    row[k] = regression[k][0];
+    second_row[k] = regression[k][1] - shared * row[k];
+  });
+  const FactoredCovariance::Outcome outcome = covariance.measure(
+      row, second_row, conditional.first[0], conditional.second[1] - shared * conditional.second[0],
+      innovation[0], innovation[1] - shared * innovation[0], next);
+  const double a_variance = outcome.first_variance;
+  const double cross = shared * a_variance + outcome.common;
+  update.innovation << innovation[0], innovation[1];
+  update.innovation_covariance << a_variance, cross, cross,
+      outcome.second_variance + cross * cross / a_variance;
+  update.normalised_innovation_squared =
+      innovation[0] * outcome.first_share +
+      outcome.second_innovation * outcome.second_innovation / outcome.second_variance;
+  return outcome.gained;
+}
+
+/// What the axes are to depend on the parameters by, after the start's state has been passed on.
+inline IntervalFilter::Regression IntervalFilter::passedOn(const Square& by_axes,
+                                                           const Regression& by_parameters) const {
+  Regression result;
+  unrolled<0, kParameters>(
+      [&](auto k) { result[k] = by_axes * present().regression[k] + by_parameters[k]; });
+  return result;
+}
+
+/// The step's end is what is measured.
+inline void IntervalFilter::measureStep(const AxesStepPairs& step, const Square& noise,
+                                        const TwoLanes& innovation, Belief& next,
+                                        IntervalUpdate& update) const {
+  const Regression regression = passedOn(step.by_axes, step.by_parameters);
+  const Square known = step.by_axes * (present().conditional * transposed(step.by_axes)) + noise;
+  const Square conditional = known + diagonal(noise_.sample_variance, noise_.sample_variance);
+  const Parameters gained = measureParameters(regression, conditional, innovation,
+                                              present().covariance, next.covariance, update);
+
+  // Of the axes given the parameters; the gain is 1 - rest.
+  const Square rest = noise_.sample_variance * inverse(conditional);
+  unrolled<0, kParameters>([&](auto k) {
+    next.regression[k] = rest * regression[k];
+    next.parameters[k] = present().parameters[k] + gained[k];
+  });
+  next.conditional = symmetric(known * rest);
+  next.axes = (step.axes + (innovation - rest * innovation)) + product(next.regression, gained);
+}
+
+void IntervalFilter::measureMean(Belief& next, IntervalUpdate& update) const {
+  const double share = 1.0 / samples_;
+  const double variance = share * noise_.sample_variance;
+  const Square& to_end = sensitivity_.by_axes;
+  const Square to_mean = share * sensitivity_sum_.by_axes;
+  Regression by_parameters;
+  for (int k = 0; k < kParameters; ++k) {
+    by_parameters[k] = share * sensitivity_sum_.by_parameters[k];
+  }
+  const Regression of_end = passedOn(to_end, sensitivity_.by_parameters);
+  const Regression of_mean = passedOn(to_mean, by_parameters);
+  const Square cross_noise = share * noise_end_sum_;
+  const Square mean_noise = share * share * noise_sum_ + diagonal(variance, variance);
+  const Square start_with_mean = present().conditional * transposed(to_mean);
+  const Square conditional = symmetric(to_mean * start_with_mean + mean_noise);
+  const TwoLanes innovation = share * (measured_sum_ - predicted_sum_);
+  const Parameters gained = measureParameters(of_mean, conditional, innovation,
+                                              present().covariance, next.covariance, update);
+
+  // Of the axes given the parameters, as a sum of what cannot be negative (Joseph).
+  const Square gain = (to_end * start_with_mean + cross_noise) * inverse(conditional);
+  const Square rest = to_end - gain * to_mean;
+  const Square mixed = gain * transposed(cross_noise);
+  for (int k = 0; k < kParameters; ++k) {
+    next.regression[k] = of_end[k] - gain * of_mean[k];
+    next.parameters[k] = present().parameters[k] + gained[k];
+  }
+  next.conditional =
+      symmetric(rest * (present().conditional * transposed(rest)) + noise_end_ -
+                (mixed + transposed(mixed)) + gain * (mean_noise * transposed(gain)));
+  next.axes = (axes_ + gain * innovation) + product(next.regression, gained);
+}
+
+/// Makes the next belief the present one unless a number in it is not finite, and starts the next
+/// interval. `shown`: what the measurement has shown of the parameters.
+inline void IntervalFilter::keep(const Regression& shown, IntervalUpdate& update) {
+  Belief& next = beliefs_[1 - present_];
+  TwoLanes sum = next.axes;
+  unrolled<0, kParameters>([&](auto k) { sum += next.regression[k] * next.parameters[k]; });
+  update.accepted = std::isfinite(
+      (sum[0] + sum[1]) +
+      (next.conditional.first[0] + next.conditional.first[1] + next.conditional.second[1]) +
+      (update.normalised_innovation_squared + next.covariance.sum()));
+  if (update.accepted) {
+    if (walks_) walk(next);
+    if (memory_time_ > 0.0) forget(shown, next);
+    present_ = 1 - present_;
+  } else {
+    update = {};
+  }
+  abandon();
+}
+
+RING_GYRO_NOT_INLINE void IntervalFilter::walk(Belief& belief) const {
+  for (int k = 0; k < kParameters; ++k) {
+    addTo(belief, elapsed_ * variance_growth_[k], ParameterVector::Unit(k));
+  }
 }
 
 /// Directional forgetting (Kulhavy): the covariance grows along P h, where the interval's
 /// measurement h has just made it smaller, and nowhere else. What the data do not show, as with a
 /// pattern at rest, stays as well known as it was.
-void IntervalFilter::forget(Covariance& covariance) const {
+RING_GYRO_NOT_INLINE void IntervalFilter::forget(const Regression& shown, Belief& belief) const {
   const double growth = std::expm1(elapsed_ / memory_time_);
   for (int axis = 0; axis < 2; ++axis) {
-    const ParameterVector shown = sensitivity_sum_.row(axis).tail<5>();
-    const ParameterVector direction = covariance.matrix().bottomRightCorner<5, 5>() * shown;
-    const double variance = shown.dot(direction);
-    if (variance > 0.0) covariance.addToConstants(growth / variance, direction);
+    ParameterVector row;
+    for (int k = 0; k < kParameters; ++k) row[k] = shown[k][axis];
+    const ParameterVector direction = belief.covariance.matrix() * row;
+    const double variance = row.dot(direction);
+    if (variance > 0.0) addTo(belief, growth / variance, direction);
   }
 }
 
-RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::measureSample(
-    StateVector& value, IntervalUpdate& update) {
-  Covariance covariance;  // here, so that it can stay in registers
-  covariances_[present_].propagate<2>(sensitivity_, noise_end_, covariance);
-  Covariance::Vector correction;
-  update =
-      measureAxes(covariance, measured_sum_ - predicted_sum_, noise_.sample_variance, correction);
-  covariances_[1 - present_] = covariance;
-  value.head<2>() = axes_ + correction.head<2>();
-  value.tail<5>() = value_.tail<5>() + correction.segment<5>(2);
+/// Adds weight * direction direction' to the covariance of the parameters.
+void IntervalFilter::addTo(Belief& belief, double weight, const ParameterVector& direction) {
+  const auto gained = belief.covariance.add(weight, direction, belief.regression);
+  belief.conditional = belief.conditional + gained.weight * outer(gained.factor, gained.factor);
 }
 
-/// The mean and the end of the interval move, the mean is measured; then it is of no more use.
-void IntervalFilter::measureMean(StateVector& value, IntervalUpdate& update) {
-  const double share = 1.0 / samples_;
-  Eigen::Matrix<double, 4, 7> sensitivity;
-  sensitivity << share * sensitivity_sum_, sensitivity_;
-  Eigen::Matrix4d noise;
-  noise << share * share * noise_sum_, share * noise_end_sum_.transpose(),  //
-      share * noise_end_sum_, noise_end_;
-  FactoredCovariance<4> covariance;
-  covariances_[present_].propagate<4>(sensitivity, noise, covariance);
-  FactoredCovariance<4>::Vector correction;
-  update = measureAxes(covariance, share * (measured_sum_ - predicted_sum_),
-                       share * noise_.sample_variance, correction);
-  covariances_[1 - present_] = covariance.without<2>();
-  value.head<2>() = axes_ + correction.segment<2>(2);
-  value.tail<5>() = value_.tail<5>() + correction.segment<5>(4);
+StateVector IntervalFilter::value() const {
+  StateVector value;
+  value << present().axes[0], present().axes[1], ParameterVector(present().parameters.data());
+  return value;
 }
 
-RING_GYRO_FLATTEN StateMatrix IntervalFilter::covariance() const {
-  return covariances_[present_].matrix();
+StateMatrix IntervalFilter::covariance() const {
+  Eigen::Matrix<double, 2, kParameters> regression;
+  for (int k = 0; k < kParameters; ++k) {
+    regression.col(k) << present().regression[k][0], present().regression[k][1];
+  }
+  const FactoredCovariance::Matrix parameters = present().covariance.matrix();
+  const Eigen::Matrix<double, 2, kParameters> cross = regression * parameters;
+  StateMatrix result;
+  result << cross * regression.transpose(), cross, cross.transpose(), parameters;
+  result(kA, kB) += present().conditional.second[0];
+  result(kB, kA) = result(kA, kB);
+  result.diagonal() = variance();
+  return result;
+}
+
+StateVector IntervalFilter::variance() const {
+  const TwoLanes axes = present().covariance.variance(present().regression);
+  StateVector result;
+  result << present().conditional.first[0] + axes[0], present().conditional.second[1] + axes[1],
+      present().covariance.variance();
+  return result;
 }
 
 }  // namespace ring_gyro

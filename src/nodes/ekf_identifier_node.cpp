@@ -25,7 +25,9 @@ EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle pri
       configuration_(configuration.loop),
       parameters_(configuration.node),
       identifier_(configuration.loop,
-                  [this](const ParameterEstimate& estimate) { take(estimate); }),
+                  [this](const ParameterEstimate& estimate, const StateMatrix& covariance) {
+                    take(estimate, covariance);
+                  }),
       estimate_output_(Output::advertise<ring_gyro_msgs::ParameterEstimate>(
           handle_, topics::kParameterEstimate, true)),
       departure_(handle_, configuration.node, host_, {estimate_output_}, [this] { leave(); }),
@@ -62,14 +64,14 @@ void EkfIdentifierNode::start() {
       ros::VoidConstPtr(), no_delay);
 }
 
-void EkfIdentifierNode::take(const ParameterEstimate& estimate) {
-  if (!estimate.value.allFinite() || !estimate.covariance.allFinite()) {
+void EkfIdentifierNode::take(const ParameterEstimate& estimate, const StateMatrix& covariance) {
+  if (!estimate.value.allFinite() || !covariance.allFinite()) {
     host_.fail("the estimate of block " + std::to_string(estimate.stamp.sequence) +
                " is not finite");
     return;
   }
   const auto message = boost::make_shared<ring_gyro_msgs::ParameterEstimate>();
-  toMessage(estimate, *message);
+  toMessage(estimate, covariance, *message);
   estimate_output_.publish(message);
 }
 

@@ -122,12 +122,13 @@ BagIdentification::BagIdentification(const std::vector<std::string>& paths,
 
 IdentificationResult BagIdentification::run(const OnEstimate& on_estimate,
                                             const OnProgress& on_progress) {
-  const auto take = [&on_estimate](const ParameterEstimate& estimate) {
-    if (!estimate.value.allFinite() || !estimate.covariance.allFinite()) {
+  const auto take = [&on_estimate](const ParameterEstimate& estimate,
+                                   const StateMatrix& covariance) {
+    if (!estimate.value.allFinite() || !covariance.allFinite()) {
       throw std::runtime_error("the estimate of block " + std::to_string(estimate.stamp.sequence) +
                                " is not finite");
     }
-    if (on_estimate) on_estimate(estimate);
+    if (on_estimate) on_estimate(estimate, covariance);
   };
   StreamIdentifier identifier(configuration_, take, options_.start_sequence);
   try {

@@ -128,8 +128,8 @@ void toMessage(const DisplacementBlock& block, ring_gyro_msgs::DisplacementBlock
   message.reference_phase = block.reference_phase;
   message.reference_frequency = block.reference_frequency;
   message.saturated_samples = block.saturated_samples;
-  message.x = block.x;
-  message.y = block.y;
+  message.x.assign(block.x.begin(), block.x.end());
+  message.y.assign(block.y.begin(), block.y.end());
 }
 
 void fromMessage(const ring_gyro_msgs::DisplacementBlock& message, DisplacementBlock& block) {
@@ -139,8 +139,8 @@ void fromMessage(const ring_gyro_msgs::DisplacementBlock& message, DisplacementB
   block.reference_phase = message.reference_phase;
   block.reference_frequency = message.reference_frequency;
   block.saturated_samples = message.saturated_samples;
-  block.x = message.x;
-  block.y = message.y;
+  block.x.assign(message.x.begin(), message.x.end());
+  block.y.assign(message.y.begin(), message.y.end());
 }
 
 void toMessage(const DriveCommand& command, const BlockStamp& answered,
@@ -220,7 +220,8 @@ void fromMessage(const ring_gyro_msgs::ControlGains& message, ControlGains& gain
   gains.status = statusFromMessage(message.status);
 }
 
-void toMessage(const ParameterEstimate& estimate, ring_gyro_msgs::ParameterEstimate& message) {
+void toMessage(const ParameterEstimate& estimate, const StateMatrix& covariance,
+               ring_gyro_msgs::ParameterEstimate& message) {
   message.header.stamp = timeFromNanoseconds(estimate.stamp.end_ns);
   message.session = estimate.stamp.session;
   message.first_sequence = estimate.first_sequence;
@@ -233,7 +234,7 @@ void toMessage(const ParameterEstimate& estimate, ring_gyro_msgs::ParameterEstim
   for (int i = 0; i < 7; ++i) {
     message.value[i] = estimate.value[i];
     message.sigma[i] = estimate.sigma(static_cast<StateIndex>(i));
-    for (int j = 0; j < 7; ++j) message.covariance[7 * i + j] = estimate.covariance(i, j);
+    for (int j = 0; j < 7; ++j) message.covariance[7 * i + j] = covariance(i, j);
   }
   for (int i = 0; i < 2; ++i) {
     message.innovation[i] = estimate.innovation[i];
@@ -259,7 +260,7 @@ void fromMessage(const ring_gyro_msgs::ParameterEstimate& message, ParameterEsti
   estimate.updated = message.updated != 0;
   for (int i = 0; i < 7; ++i) {
     estimate.value[i] = message.value[i];
-    for (int j = 0; j < 7; ++j) estimate.covariance(i, j) = message.covariance[7 * i + j];
+    estimate.variance[i] = message.covariance[8 * i];
   }
   for (int i = 0; i < 2; ++i) {
     estimate.innovation[i] = message.innovation[i];

@@ -206,7 +206,7 @@ Json resultJson(const IdentificationResult& result, const LoopConfiguration& con
     }
     json["residual_gamma"] = {jsonNumber(estimate->residual_gamma1),
                               jsonNumber(estimate->residual_gamma2)};
-    json["covariance"] = covarianceJson(estimate->covariance);
+    json["covariance"] = covarianceJson(report.covariance);
     json["angle_covered_rad"] = jsonNumber(estimate->angle_covered);
     json["estimate_sequence"] = estimate->stamp.sequence;
   } else {

@@ -69,7 +69,7 @@ void StreamIdentifier::process(const OrbitalElements& elements, const ControlGai
   count(elements, gains);
   if (!estimate) return;
   account(*estimate);
-  sink_(*estimate);
+  sink_(*estimate, identifier_.covariance());
 }
 
 void StreamIdentifier::count(const OrbitalElements& elements, const ControlGains& gains) {
@@ -117,6 +117,7 @@ IdentificationReport StreamIdentifier::report() const {
   report.elements = merge_.elementsCounts();
   report.gains = merge_.gainsCounts();
   report.filter_restarts = identifier_.restarts();
+  report.covariance = identifier_.covariance();
   return report;
 }
 

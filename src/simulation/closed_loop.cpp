@@ -33,7 +33,7 @@ LoopRecord ClosedLoop::step() {
     decision_ = injector_.decide(*estimate);
     if (compensation_) pending_[(first_pending_ + pending_count_++) % 2] = *decision_;
   }
-  return {block, *output_, estimate, decision_, plant_};
+  return {block, *output_, estimate, decision_, plant_, identifier_};
 }
 
 double ClosedLoop::time() const {

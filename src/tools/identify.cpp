@@ -139,8 +139,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
 class EstimateRecorder {
  public:
   explicit EstimateRecorder(const std::string& path) : writer_(path) {}
-  void write(const ParameterEstimate& estimate) {
-    toMessage(estimate, message_);
+  void write(const ParameterEstimate& estimate, const StateMatrix& covariance) {
+    toMessage(estimate, covariance, message_);
     writer_.write(topics::kParameterEstimate, message_);
   }
   void finish() { writer_.finish(); }
@@ -203,7 +203,9 @@ class Identification {
     BagIdentification::OnEstimate on_estimate;
     if (!arguments_.estimates_file.empty()) {
       recorder = std::make_unique<EstimateRecorder>(arguments_.estimates_file);
-      on_estimate = [&recorder](const ParameterEstimate& e) { recorder->write(e); };
+      on_estimate = [&recorder](const ParameterEstimate& e, const StateMatrix& c) {
+        recorder->write(e, c);
+      };
     }
     IdentificationResult result =
         identification.run(on_estimate, [&progress](double done) { progress.done = done; });

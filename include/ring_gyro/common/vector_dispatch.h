@@ -11,6 +11,13 @@
 #define RING_GYRO_VECTOR_CLONES
 #endif
 
+/// Keeps a function out of such a marked one: for what is seldom called, or the same at any width.
+#if defined(__GNUC__)
+#define RING_GYRO_NOT_INLINE __attribute__((noinline))
+#else
+#define RING_GYRO_NOT_INLINE
+#endif
+
 /// Compiles everything that the marked function calls into it, for the vector width of the
 /// function.
 #if defined(__GNUC__)

@@ -87,11 +87,10 @@ class AveragedModel {
   Orbit integrate(const Orbit& orbit, const DeviceParameters& device, const AveragedInput& input,
                   double duration, int steps) const;
 
-  double decayRate() const { return decay_rate_; }  ///< xi0 w0 [1/s]
+  double angularFrequency() const { return angular_frequency_; }  ///< w0 [rad/s]
+  double decayRate() const { return decay_rate_; }                ///< xi0 w0 [1/s]
 
  private:
-  struct AxesDynamics;
-
   double angular_frequency_;
   double decay_rate_;
 };

@@ -1,86 +1,118 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "ring_gyro/common/lanes.h"
 #include "ring_gyro/common/unrolled.h"
 
 namespace ring_gyro {
 
-/// Unit upper triangular U and diagonal D of a covariance U D U'.
-template <int N>
-struct TriangularFactors {
-  Eigen::Matrix<double, N, N> upper;
-  Eigen::Matrix<double, N, 1> diagonal;
-};
-
-/// Factors of a sum of positive terms. What rounding makes negative is zero in truth.
-template <int N>
-TriangularFactors<N> factorised(Eigen::Matrix<double, N, N> covariance) {
-  TriangularFactors<N> factors;
-  factors.upper.setIdentity();
-  for (int j = N - 1; j >= 0; --j) {
-    const double variance = std::max(covariance(j, j), 0.0);
-    factors.diagonal[j] = variance;
-    for (int i = 0; i < j; ++i) {
-      factors.upper(i, j) = variance > 0.0 ? covariance(i, j) / variance : 0.0;
-    }
-    for (int k = 0; k < j; ++k) {
-      for (int i = 0; i <= k; ++i) {
-        covariance(i, k) -= factors.upper(i, j) * factors.upper(k, j) * variance;
-      }
-    }
-  }
-  return factors;
-}
-
-/// Covariance P = U D U' of some moving states, which come first, and of kConstants states after
-/// them that do not move; U unit upper triangular, D diagonal.
-///
-/// A square-root form: no update can make a variance negative, and the states need no scaling.
-/// Moving states change only their own rows of U, everything else of a transition is identity.
-template <int Moving>
+/// Covariance U D U' of the device parameters, U unit upper triangular, D diagonal: a square-root
+/// form, which no measurement can make negative, and which needs no scaling of the states.
 class FactoredCovariance {
  public:
-  static constexpr int kConstants = 5;
-  static constexpr int kStates = Moving + kConstants;
-  /// Of all states; what is left over is zero.
-  using Vector = Eigen::Matrix<double, kStates + kStates % 2, 1>;
-  template <int To>
-  using Map = Eigen::Matrix<double, To, kStates>;  ///< of all states to `To` moving ones
+  static constexpr int kSize = 5;
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+  /// Of two other quantities on the parameters, by columns.
+  using Regression = std::array<TwoLanes, kSize>;
 
   FactoredCovariance() = default;
 
-  /// States that are correlated with nothing.
-  explicit FactoredCovariance(const Eigen::Matrix<double, kStates, 1>& variance) {
-    upper_.setZero();
-    for (int j = 0; j < kStates; ++j) upper_[place(j, j)] = 1.0;
-    diagonal_.template head<kStates>() = variance;
+  /// Parameters that are correlated with nothing.
+  explicit FactoredCovariance(const Vector& variance) : diagonal_(variance) {
+    for (double& element : upper_) element = 0.0;
   }
 
-  /// The moving states become correlated with nothing.
-  void restartMoving(double variance) {
-    for (int j = 0; j < kStates; ++j) {
-      for (int i = 0; i < std::min(j, Moving); ++i) upper_[place(i, j)] = 0.0;
-    }
-    diagonal_.template head<Moving>().setConstant(variance);
+  using Numbers = std::array<double, kSize>;
+
+  /// What two measurements with independent noise brought about.
+  struct Outcome {
+    double first_variance;     ///< of the first, noise and all, before
+    double second_variance;    ///< of the second, after the first
+    double common;             ///< covariance of the two, before
+    double first_share;        ///< first innovation over its variance
+    double second_innovation;  ///< that of the second which the first does not explain
+    Numbers gained;            ///< by the parameters
+  };
+
+  /// Measures first_row * parameters, then second_row * parameters, with these innovations and
+  /// noise variances above zero, after Bierman. Both go through the factors as they were, and what
+  /// the first does to the second is added (in the coordinates of U it is one number a column):
+  /// so the second does not wait until the first has been through the factors. `next`: the
+  /// covariance after both, another object.
+  Outcome measure(const Numbers& first_row, const Numbers& second_row, double first_noise,
+                  double second_noise, double first_innovation, double second_innovation,
+                  FactoredCovariance& next) const {
+    double first[kSize], second[kSize];                // U' row
+    double first_spread[kSize], second_spread[kSize];  // D U' row
+    double first_step[kSize], second_step[kSize];      // what each column takes of those before it
+    double diagonal[kSize];
+    double common[kSize + 1];
+    double variance[kSize + 1];
+    unrolled<0, kSize>([&](auto j) {
+      first[j] = timesColumn<j>(first_row);
+      second[j] = timesColumn<j>(second_row);
+      first_spread[j] = diagonal_[j] * first[j];
+    });
+    runningSums(first_noise, first_spread, first, variance);
+    runningSums(0.0, first_spread, second, common);
+    double inverse = 1.0 / first_noise;
+    unrolled<0, kSize>([&](auto j) {
+      first_step[j] = -first[j] * inverse;
+      inverse = 1.0 / variance[j + 1];
+      diagonal[j] = diagonal_[j] * (variance[j] * inverse);
+      second[j] += first_step[j] * common[j];
+      second_spread[j] = diagonal[j] * second[j];
+    });
+    Outcome outcome;
+    outcome.first_variance = variance[kSize];
+    outcome.common = common[kSize];
+    outcome.first_share = first_innovation * inverse;
+    outcome.second_innovation = second_innovation - outcome.common * outcome.first_share;
+
+    runningSums(second_noise, second_spread, second, variance);
+    outcome.second_variance = variance[kSize];
+    inverse = 1.0 / second_noise;
+    unrolled<0, kSize>([&](auto j) {
+      second_step[j] = -second[j] * inverse;
+      inverse = 1.0 / variance[j + 1];
+      next.diagonal_[j] = diagonal[j] * (variance[j] * inverse);
+    });
+
+    const double second_share = outcome.second_innovation * inverse;
+    double gained[kSize];
+    double after = 0.0;
+    unrolled<0, kSize>([&](auto reversed) {
+      constexpr int j = kSize - 1 - reversed;
+      gained[j] = outcome.first_share * first_spread[j] +
+                  second_share * (second_spread[j] + after * first_spread[j]);
+      after += first_step[j] * second_spread[j];
+    });
+    unrolled<0, kSize>([&](auto i) {
+      outcome.gained[i] = gained[i];
+      unrolled<i + 1, kSize>([&](auto j) { outcome.gained[i] += upper_[place(i, j)] * gained[j]; });
+    });
+    double between[kPlaces];
+    takeSteps(first_step, first_spread, upper_, between);
+    takeSteps(second_step, second_spread, between, next.upper_);
+    return outcome;
   }
 
-  using Constants = Eigen::Matrix<double, kConstants, 1>;
-
-  /// Adds variances that are correlated with nothing to the constants.
-  void addToConstants(const Constants& variance) {
-    for (int k = 0; k < kConstants; ++k) {
-      addToConstants(variance[k], Constants::Unit(k));
-    }
-  }
-
-  /// Adds weight * direction direction' to the constants (Agee and Turner).
-  void addToConstants(double weight, const Constants& direction) {
-    Eigen::Matrix<double, kStates, 1> shape = Eigen::Matrix<double, kStates, 1>::Zero();
-    shape.template tail<kConstants>() = direction;
-    for (int j = kStates - 1; j >= 0 && weight > 0.0; --j) {
+  /// Adds weight * direction direction' (Agee and Turner). Two quantities that depend on the
+  /// parameters by `regression` do not move with them: it is made anew. Gives their common factor f
+  /// and the weight of the covariance weight f f' that they gain beside it.
+  struct Gained {
+    double weight;
+    TwoLanes factor;
+  };
+  Gained add(double weight, const Vector& direction, Regression& regression) {
+    Regression rows = timesUpper(regression);
+    Vector shape = direction;
+    TwoLanes row_shape = {};
+    for (int j = kSize - 1; j >= 0 && weight > 0.0; --j) {
       const double before = diagonal_[j];
       diagonal_[j] += weight * shape[j] * shape[j];
       if (!(diagonal_[j] > 0.0)) continue;
@@ -89,211 +121,102 @@ class FactoredCovariance {
         shape[i] -= shape[j] * upper_[place(i, j)];
         upper_[place(i, j)] += share * shape[i];
       }
+      row_shape -= shape[j] * rows[j];
+      rows[j] += share * row_shape;
       weight *= before / diagonal_[j];
     }
-  }
-
-  /// Makes `next` the covariance of `To` new moving states map * state + noise, and of the
-  /// constants. The new moving part is orthogonalised by modified weighted Gram-Schmidt.
-  template <int To>
-  void propagate(const Map<To>& map, const Eigen::Matrix<double, To, To>& noise,
-                 FactoredCovariance<To>& next) const {
-    static_assert(Moving % 2 == 0 && To % 2 == 0, "columns are copied in pairs");
-    if constexpr (Moving == 2 && To == 2) {
-      propagateTwo(map, noise, next);
-    } else {
-      propagateMoving<To>(map, factorised<To>(noise), next);
+    for (int j = 0; j < kSize; ++j) {
+      for (int i = 0; i < j; ++i) rows[j] -= upper_[place(i, j)] * rows[i];
     }
-    unrolled<0, kConstants>([&](auto c) {
-      constexpr int column = Moving + c;
-      Eigen::Matrix<double, To, 1> moving = map.col(column);
-      unrolled<0, column>([&](auto k) { moving += map.col(k) * upper_[place(k, column)]; });
-      unrolled<0, To / 2>(
-          [&](auto i) { next.pair(2 * i, To + c) = moving.template segment<2>(2 * i); });
-      unrolled<0, (c + 2) / 2>(
-          [&](auto k) { next.pair(To + 2 * k, To + c) = pair(Moving + 2 * k, column); });
-      next.diagonal_[To + c] = diagonal_[column];
-    });
+    regression = rows;
+    return {weight, row_shape};
   }
 
-  /// Outcome of measuring one state.
-  struct Measurement {
-    double variance;  ///< of the measurement, noise and all
-    double inverse_variance;
-    Vector cross;  ///< covariance of the measurement with all states
-  };
-
-  /// Measures one moving state with this noise variance, after Bierman; the gain is the covariance
-  /// with the states over the variance.
-  template <int State>
-  Measurement measure(double noise_variance) {
-    Measurement result;
-    double spread[kStates];
-    double correction[kStates];
-    double added[kStates] = {};
-    unrolled<State, kStates>([&](auto j) {
-      const double shape = upper_[place(State, j)];
-      spread[j] = diagonal_[j] * shape;
-      added[j] = shape * spread[j];
-    });
-    double variance[kStates + 1];
-    variance[State] = noise_variance;
-    unrolled<State, kStates>([&](auto j) {
-      // Pairs first: a sum is ready after half as many steps.
-      if constexpr ((j - State) % 2 == 0) {
-        variance[j + 1] = variance[j] + added[j];
-      } else {
-        variance[j + 1] = variance[j - 1] + (added[j - 1] + added[j]);
-      }
-    });
-    double inverse = 1.0 / noise_variance;
-    unrolled<State, kStates>([&](auto j) {
-      correction[j] = -upper_[place(State, j)] * inverse;
-      inverse = 1.0 / variance[j + 1];
-      diagonal_[j] *= variance[j] * inverse;
-    });
-    result.variance = variance[kStates];
-    result.inverse_variance = inverse;
-    // Two rows of U at a time; they do not depend on each other.
-    unrolled<0, (kStates + 1) / 2>([&](auto rows) {
-      constexpr int i = 2 * rows;
-      Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-      unrolled<std::max(i, State), kStates>([&](auto j) {
-        const Eigen::Vector2d old = pair(i, j);
-        pair(i, j) = old + correction[j] * sum;
-        sum += spread[j] * old;
-      });
-      result.cross.template segment<2>(i) = sum;
-    });
-    return result;
-  }
-
-  /// The states after the first `Dropped` moving ones.
-  template <int Dropped>
-  FactoredCovariance<Moving - Dropped> without() const {
-    static_assert(Dropped % 2 == 0, "columns are copied in pairs");
-    FactoredCovariance<Moving - Dropped> rest;
-    unrolled<0, kStates - Dropped>([&](auto j) {
-      unrolled<0, (j + 2) / 2>(
-          [&](auto i) { rest.pair(2 * i, j) = pair(2 * i + Dropped, j + Dropped); });
-      rest.diagonal_[j] = diagonal_[j + Dropped];
-    });
-    return rest;
-  }
-
-  double variance(int state) const {
-    double sum = 0.0;
-    for (int j = state; j < kStates; ++j) {
-      sum += upper_[place(state, j)] * upper_[place(state, j)] * diagonal_[j];
-    }
+  /// Variances of the two quantities regression * parameters.
+  TwoLanes variance(const Regression& regression) const {
+    const Regression rows = timesUpper(regression);
+    TwoLanes sum = {};
+    unrolled<0, kSize>([&](auto j) { sum += rows[j] * (diagonal_[j] * rows[j]); });
     return sum;
   }
 
-  Eigen::Matrix<double, kStates, kStates> matrix() const {
-    Eigen::Matrix<double, kStates, kStates> result;
-    unrolled<0, kStates>([&](auto k) {
-      double weighted[kStates];
-      unrolled<k, kStates>([&](auto j) { weighted[j] = upper_[place(k, j)] * diagonal_[j]; });
-      unrolled<0, k + 1>([&](auto i) {
-        double sum = upper_[place(i, k)] * weighted[k];
-        unrolled<k + 1, kStates>([&](auto j) { sum += upper_[place(i, j)] * weighted[j]; });
-        result.coeffRef(i, k) = result.coeffRef(k, i) = sum;
-      });
+  Vector variance() const {
+    Vector result = diagonal_;
+    unrolled<0, kSize>([&](auto j) {
+      unrolled<0, j>(
+          [&](auto i) { result[i] += upper_[place(i, j)] * (upper_[place(i, j)] * diagonal_[j]); });
     });
     return result;
   }
 
-  bool isFinite() const {
-    return std::isfinite(upper_.sum() + diagonal_.template head<kStates>().sum());
+  Matrix matrix() const {
+    Matrix upper = Matrix::Identity();
+    for (int j = 0; j < kSize; ++j) {
+      for (int i = 0; i < j; ++i) upper(i, j) = upper_[place(i, j)];
+    }
+    return upper * diagonal_.asDiagonal() * upper.transpose();
+  }
+
+  /// Of the numbers in it: not finite unless all of them are.
+  double sum() const {
+    double sum = 0.0;
+    unrolled<0, kSize>([&](auto j) {
+      sum += diagonal_[j];
+      unrolled<0, j>([&](auto i) { sum += upper_[place(i, j)]; });
+    });
+    return sum;
   }
 
  private:
-  template <int Other>
-  friend class FactoredCovariance;
+  /// Of element (i, j), i < j, in the columns of U one after the other.
+  static constexpr int place(int i, int j) { return j * (j - 1) / 2 + i; }
+  static constexpr int kPlaces = kSize * (kSize - 1) / 2;
 
-  /// Of element (i, j) in the columns of U one after the other, each to its one and from there to
-  /// an even number.
-  static constexpr int place(int i, int j) { return 2 * ((j + 1) / 2) * ((j + 2) / 2) + i; }
-  static constexpr int kPlaces = place(0, kStates);
-
-  // Elements are read and written two at a time: loading as two what was stored as one and one
-  // makes a processor wait.
-  using Pair = Eigen::Map<Eigen::Vector2d, Eigen::Aligned16>;
-  using ConstPair = Eigen::Map<const Eigen::Vector2d, Eigen::Aligned16>;
-  Pair pair(int i, int j) { return Pair(&upper_[place(i, j)]); }
-  ConstPair pair(int i, int j) const { return ConstPair(&upper_[place(i, j)]); }
-
-  /// The same for two states, by determinants: each is a sum of terms that are not negative, and
-  /// there is less to wait for.
-  void propagateTwo(const Map<2>& map, const Eigen::Matrix2d& noise,
-                    FactoredCovariance<2>& next) const {
-    const double share = upper_[place(0, 1)];
-    const double a0 = map(0, 0);
-    const double a1 = map(0, 1) + a0 * share;
-    const double b0 = map(1, 0);
-    const double b1 = map(1, 1) + b0 * share;
-    const double d0 = diagonal_[0];
-    const double d1 = diagonal_[1];
-    const double b_variance = d0 * b0 * b0 + d1 * b1 * b1 + noise(1, 1);
-    const double covariance = d0 * a0 * b0 + d1 * a1 * b1 + noise(0, 1);
-    const auto mixed = [&noise](double a, double b) {
-      return noise(0, 0) * b * b - 2.0 * noise(0, 1) * a * b + noise(1, 1) * a * a;
-    };
-    const double area = a0 * b1 - a1 * b0;
-    const double noise_area = std::max(noise(0, 0) * noise(1, 1) - noise(0, 1) * noise(0, 1), 0.0);
-    const double determinant =
-        d0 * d1 * area * area + d0 * mixed(a0, b0) + d1 * mixed(a1, b1) + noise_area;
-    const double inverse = b_variance > 0.0 ? 1.0 / b_variance : 0.0;
-    // With no variance of b there is nothing that a could share with it.
-    next.diagonal_[0] =
-        b_variance > 0.0 ? determinant * inverse : d0 * a0 * a0 + d1 * a1 * a1 + noise(0, 0);
-    next.diagonal_[1] = b_variance;
-    next.pair(0, 0) = Eigen::Vector2d(1.0, 0.0);
-    next.pair(0, 1) = Eigen::Vector2d(covariance * inverse, 1.0);
+  /// Element j of U' row.
+  template <int j>
+  double timesColumn(const Numbers& row) const {
+    double even = row[j];
+    double odd = 0.0;
+    unrolled<0, j>([&](auto i) { (i % 2 == 0 ? even : odd) += upper_[place(i, j)] * row[i]; });
+    return even + odd;
   }
 
-  template <int To>
-  void propagateMoving(const Map<To>& map, const TriangularFactors<To>& noise,
-                       FactoredCovariance<To>& next) const {
-    constexpr int kSources = Moving + To;
-    double shape[To][kSources];
-    double weight[kSources];
-    unrolled<0, Moving>([&](auto j) { weight[j] = diagonal_[j]; });
-    unrolled<0, To>([&](auto i) {
-      weight[Moving + i] = noise.diagonal[i];
-      unrolled<0, Moving>([&](auto j) {
-        shape[i][j] = map.coeff(i, j);
-        unrolled<0, j>([&](auto k) { shape[i][j] += map.coeff(i, k) * upper_[place(k, j)]; });
-      });
-      unrolled<0, To>([&](auto j) { shape[i][Moving + j] = noise.upper.coeff(i, j); });
+  /// sums[j]: `start` and the first j products; by pairs, so that a sum is ready after half as many
+  /// steps.
+  static void runningSums(double start, const double (&one)[kSize], const double (&other)[kSize],
+                          double (&sums)[kSize + 1]) {
+    sums[0] = start;
+    unrolled<0, kSize>([&](auto j) {
+      if constexpr (j % 2 == 0) {
+        sums[j + 1] = sums[j] + one[j] * other[j];
+      } else {
+        sums[j + 1] = sums[j - 1] + (one[j - 1] * other[j - 1] + one[j] * other[j]);
+      }
     });
-    double upper[To][To] = {};
-    unrolled<0, To>([&](auto reversed) {
-      constexpr int j = To - 1 - reversed;
-      double weighted[kSources];
-      double variance = 0.0;
-      unrolled<0, kSources>([&](auto k) {
-        weighted[k] = shape[j][k] * weight[k];
-        variance += shape[j][k] * weighted[k];
-      });
-      const double inverse = variance > 0.0 ? 1.0 / variance : 0.0;
-      next.diagonal_[j] = variance;
-      upper[j][j] = 1.0;
+  }
+
+  /// U after a measurement.
+  static void takeSteps(const double (&step)[kSize], const double (&spread)[kSize],
+                        const double (&upper)[kPlaces], double (&next)[kPlaces]) {
+    double gathered[kSize];
+    unrolled<0, kSize>([&](auto j) {
       unrolled<0, j>([&](auto i) {
-        double product = 0.0;
-        unrolled<0, kSources>([&](auto k) { product += shape[i][k] * weighted[k]; });
-        upper[i][j] = product * inverse;
-        unrolled<0, kSources>([&](auto k) { shape[i][k] -= upper[i][j] * shape[j][k]; });
+        next[place(i, j)] = upper[place(i, j)] + step[j] * gathered[i];
+        gathered[i] += spread[j] * upper[place(i, j)];
       });
-    });
-    unrolled<0, To>([&](auto j) {
-      unrolled<0, (j + 2) / 2>([&](auto i) {
-        next.pair(2 * i, j) = Eigen::Vector2d(upper[2 * i][j], upper[2 * i + 1][j]);
-      });
+      gathered[j] = spread[j];
     });
   }
 
-  Eigen::Matrix<double, kPlaces, 1> upper_;
+  Regression timesUpper(const Regression& regression) const {
+    Regression rows = regression;
+    unrolled<0, kSize>([&](auto j) {
+      unrolled<0, j>([&](auto i) { rows[j] += upper_[place(i, j)] * regression[i]; });
+    });
+    return rows;
+  }
+
+  double upper_[kPlaces];
   Vector diagonal_;
 };
 

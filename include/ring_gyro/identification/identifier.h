@@ -1,8 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -10,6 +7,7 @@
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/identification/averaged_model.h"
+#include "ring_gyro/identification/block_chain.h"
 #include "ring_gyro/identification/interval_filter.h"
 #include "ring_gyro/identification/parameter_estimate.h"
 
@@ -41,15 +39,12 @@ struct IdentificationParameters {
 
 /// The extended Kalman filter (1)-(5),(29)-(33) on the averaged model, fed block by block.
 ///
-/// Both kinds of input belong to the same block (see PairMerge). Elements are valid a group delay
-/// before the block's end; the inputs that acted between two valid times are taken from the blocks
-/// they acted in, also where the delay is not whole blocks. Each period's mean of a
-/// and b is one measurement of everything in that period (IntervalFilter). Periods end where
-/// (sequence + 1) is a multiple of the period, whenever the identifier was started.
+/// Both kinds of input belong to the same block (see PairMerge); what acted when, and which blocks
+/// can be used, is BlockChain's. Each period's mean of a and b is one measurement of everything in
+/// that period (IntervalFilter). Periods end where (sequence + 1) is a multiple of the period,
+/// whenever the identifier was started.
 ///
-/// A block can be used when its status says so, its numbers are finite, its stamp follows the one
-/// before by exactly one block, and all of the demodulator's memory (twice the group delay) holds
-/// such blocks. Any other block, or a missing one, breaks the chain: its period gives no update, a
+/// A block that cannot be used, or a missing one, breaks the chain: its period gives no update, a
 /// and b start afresh from the next complete period, the parameters stay.
 /// The first complete period only sets the scale of ks, by the balance of drive and damping.
 /// While the parameters are so uncertain that the orbit predicted over a period would leave the
@@ -66,26 +61,21 @@ class Identifier {
   /// afresh. Does not allocate.
   const ParameterEstimate* process(const OrbitalElements& elements, const ControlGains& gains);
 
+  /// Of the last estimate, units of (29). Diagonal, the initial one, until the scale of ks has been
+  /// found.
+  StateMatrix covariance() const;
+
   std::int64_t periodBlocks() const { return period_blocks_; }
   std::uint64_t restarts() const { return restarts_; }
 
  private:
-  // What later blocks need of a block: where the orbit was, and what drove it.
-  struct Block {
-    Orbit orbit;
-    Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();
-    double reference_phase = 0.0;  // at its start
-    double reference_frequency = 0.0;
-  };
-  static constexpr std::size_t kMemory = 64;
-
   void restart(const BlockStamp& stamp);
   void skipLost(const BlockStamp& stamp);
-  bool admit(const OrbitalElements& elements, const ControlGains& gains);
-  bool setDelay(double group_delay, double duration);
-  const Block& block(std::uint64_t sequence) const { return memory_[sequence % kMemory]; }
-  void gather(std::uint64_t sequence, double duration, bool first_of_period);
-  void propagate(std::uint64_t sequence, double duration);
+  void take(const Orbit& orbit, const ControlGains& gains, bool first_of_period,
+            bool last_of_period);
+  void startPeriod(const Orbit& orbit, double reference_frequency);
+  void addToScale(const Orbit& orbit, const ControlGains& gains);
+  void takeWaiting(bool last_of_period);
   void breakChain();
   void finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation);
   bool setScale();
@@ -96,15 +86,14 @@ class Identifier {
   IntervalFilter filter_;
   std::int64_t period_blocks_;
   double period_;
-  std::int64_t block_duration_ns_;
   double sample_sigma_;  // of a or b in one block [V]
 
-  std::array<Block, kMemory> memory_;
-  double group_delay_ = -1.0;        // of the present run of usable blocks [s]
-  std::uint64_t whole_delay_ = 0;    // blocks in it
-  double rest_of_delay_ = 0.0;       // what is left of it [blocks]
-  std::uint64_t filter_memory_ = 1;  // blocks that go into an element
-  std::uint64_t usable_run_ = 0;     // usable blocks without a break up to now
+  BlockChain chain_;
+  std::uint64_t block_of_period_ = 0;  // of the last block
+  // The last blocks that the filter has yet to take: as many as there are lanes, in one go, or one
+  // while each block is an update.
+  int waiting_ = 0;
+  int most_waiting_ = 1;
 
   bool started_ = false;
   BlockStamp last_stamp_;

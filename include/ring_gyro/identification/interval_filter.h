@@ -2,7 +2,11 @@
 
 #include <Eigen/Core>
 
+#include "ring_gyro/common/lanes.h"
+#include "ring_gyro/common/pairs.h"
 #include "ring_gyro/identification/averaged_model.h"
+#include "ring_gyro/identification/averaged_step.h"
+#include "ring_gyro/identification/axes_dynamics.h"
 #include "ring_gyro/identification/factored_covariance.h"
 #include "ring_gyro/identification/parameter_estimate.h"
 
@@ -34,8 +38,9 @@ struct IntervalUpdate {
 /// transition differ from identity. Process noise enters the end state, the mean and their
 /// covariance exactly. An interval of one sample is an ordinary filter step.
 ///
-/// The covariance is kept factored (FactoredCovariance) and cannot lose its positive sign. The mean
-/// joins the states as two more that move, is measured and is dropped.
+/// The covariance is kept as that of a and b given the parameters, and as the factored covariance
+/// of the parameters, which do not move: a step changes the former only, and no update can make a
+/// variance negative.
 class IntervalFilter {
  public:
   IntervalFilter(const AveragedModel& model, const IntervalNoise& noise);
@@ -56,55 +61,93 @@ class IntervalFilter {
   /// noise of the mean of `samples`. `reference_frequency`: w [rad/s].
   bool isLinearOver(double duration, int samples, double reference_frequency) const;
 
-  /// Propagates over `duration` [s]; theta, phi: measured, in the middle of it.
-  void step(double theta, double phi, const AveragedInput& input, double duration);
-  /// Adds a measured (a, b) [V] to the interval's mean.
+  /// Adds a measured (a, b) [V] where the interval begins.
   void sample(const Eigen::Vector2d& measured);
+  /// A step over `duration` [s] and the (a, b) [V] measured at its end.
+  void step(const AveragedStep<double>& step, double duration, const Eigen::Vector2d& measured);
+  /// The first `count`, 1 to kLanes, of several such steps, predicted each by itself. Derivatives
+  /// and noise are those of one step over several of them at their mean: they only weigh the
+  /// innovation, which needs no ninth digit.
+  void steps(const AveragedStep<Lanes>& steps, int count, double duration, const Lanes& measured_a,
+             const Lanes& measured_b);
   /// Ends the interval with its update and starts the next.
   IntervalUpdate update();
+  /// A step() and an update() in one, at half the cost.
+  IntervalUpdate stepAndUpdate(const AveragedStep<double>& step, double duration,
+                               const Eigen::Vector2d& measured);
   /// Drops what the interval has gathered, back to its start.
   void abandon();
 
   /// State at the end of the last interval.
-  const StateVector& value() const { return value_; }
+  StateVector value() const;
   StateMatrix covariance() const;
+  StateVector variance() const;  ///< its diagonal
 
  private:
-  using Sensitivity = Eigen::Matrix<double, 2, 7>;  // of a, b to the state at the interval's start
-  using Covariance = FactoredCovariance<2>;
+  using Regression = FactoredCovariance::Regression;
+  using Parameters = std::array<double, 5>;
 
-  void forget(Covariance& covariance) const;
+  /// Errors of the state: those of the parameters, and those of a and b as what the parameters
+  /// bring about, regression * error, and the rest.
+  struct Belief {
+    TwoLanes axes;
+    Parameters parameters;
+    FactoredCovariance covariance;  ///< of the parameters
+    Regression regression;
+    Square conditional;  ///< covariance of a and b given the parameters
+  };
+  /// How the end of an interval, or its mean, depends on the state at its start.
+  struct Sensitivity {
+    Square by_axes;
+    Regression by_parameters = {};
+  };
+
+  const Belief& present() const { return beliefs_[present_]; }
   DeviceParameters device() const;
-  void beginSums();
-  // To the other covariance, which counts once all numbers are known to be finite.
-  void measureSample(StateVector& value, IntervalUpdate& update);
-  void measureMean(StateVector& value, IntervalUpdate& update);
+  void start();
+  void startGathering(double duration);
+  void advance();
+  Square stepNoise(const AxesStepPairs& step, double duration) const;
+  Regression passedOn(const Square& by_axes, const Regression& by_parameters) const;
+  static Parameters measureParameters(const Regression& regression, const Square& conditional,
+                                      const TwoLanes& innovation,
+                                      const FactoredCovariance& covariance,
+                                      FactoredCovariance& next, IntervalUpdate& update);
+  void measureStep(const AxesStepPairs& step, const Square& noise, const TwoLanes& innovation,
+                   Belief& next, IntervalUpdate& update) const;
+  void measureMean(Belief& next, IntervalUpdate& update) const;
+  void keep(const Regression& shown, IntervalUpdate& update);
+  void walk(Belief& belief) const;
+  void forget(const Regression& shown, Belief& belief) const;
+  static void addTo(Belief& belief, double weight, const ParameterVector& direction);
 
   AveragedModel model_;
   IntervalNoise noise_;
   double drive_gain_scale_ = 1.0;
-  StateVector value_;
-  Covariance covariances_[2];
-  int present_ = 0;                  // which of them
+  // The present one and room for the next, which counts once all its numbers are known to be
+  // finite.
+  Belief beliefs_[2];
+  int present_ = 0;
   ParameterVector variance_growth_;  // of the parameters [unit of the parameter^2 / s]
   bool walks_ = false;
   double memory_time_ = 0.0;  // 0: for ever
 
-  // The running interval. What it gathers is set by its first step or sample.
-  bool moved_ = false;
-  bool summed_ = false;
-  DeviceParameters device_;
-  Eigen::Vector2d axes_;
+  // The running interval. What it gathers is set by its first sample, the sums by the second.
+  TwoLanes axes_;
   Sensitivity sensitivity_;
   double elapsed_ = 0.0;
   int samples_ = 0;
-  Eigen::Vector2d predicted_sum_;
-  Eigen::Vector2d measured_sum_;
+  int gathered_steps_ = 0;         // steps that the derivatives have yet to take
+  AxesDynamics<double> gathered_;  // their sum
+  TwoLanes gathered_from_;         // axes where they begin
+  double step_duration_ = 0.0;
+  TwoLanes predicted_sum_;
+  TwoLanes measured_sum_;
   Sensitivity sensitivity_sum_;
   // Process noise gathered by a and b: of the end, between the end and the sum, of the sum.
-  Eigen::Matrix2d noise_end_;
-  Eigen::Matrix2d noise_end_sum_;
-  Eigen::Matrix2d noise_sum_;
+  Square noise_end_;
+  Square noise_end_sum_;
+  Square noise_sum_;
 };
 
 }  // namespace ring_gyro

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 
 #include "ring_gyro/common/block_stamp.h"
@@ -23,9 +24,9 @@ struct ParameterEstimate {
   std::uint64_t rejected_blocks = 0;
   std::uint64_t lost_blocks = 0;  ///< gaps in the sequence
   bool updated = false;           ///< whether this period's data entered the estimate
-  /// Units of (29). Zero, with the initial covariance, until the scale of ks has been found.
+  /// Units of (29). Zero, with the initial variance, until the scale of ks has been found.
   StateVector value = StateVector::Zero();
-  StateMatrix covariance = StateMatrix::Zero();
+  StateVector variance = StateVector::Zero();  ///< Identifier::covariance() has all of it
   /// Of the mean a, b over the period [V]; of its last block while filtering block by block.
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
   Eigen::Matrix2d innovation_covariance = Eigen::Matrix2d::Zero();  ///< [V^2]
@@ -36,7 +37,8 @@ struct ParameterEstimate {
   /// Every sigma below its limit and enough of the angle seen (IdentificationParameters).
   bool converged = false;
 
-  double sigma(StateIndex index) const;  ///< standard deviation of a state
+  /// Standard deviation of a state.
+  double sigma(StateIndex index) const { return std::sqrt(variance[index]); }
 };
 
 }  // namespace ring_gyro

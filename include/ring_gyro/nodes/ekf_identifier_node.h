@@ -29,7 +29,7 @@ class EkfIdentifierNode {
 
  private:
   void start();
-  void take(const ParameterEstimate& estimate);
+  void take(const ParameterEstimate& estimate, const StateMatrix& covariance);
   void processed();
   void leave();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;

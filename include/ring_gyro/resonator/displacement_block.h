@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "ring_gyro/common/aligned_vector.h"
 #include "ring_gyro/common/block_stamp.h"
 
 namespace ring_gyro {
@@ -17,8 +17,8 @@ struct DisplacementBlock {
   double reference_phase = 0.0;         ///< of the NCO at the first sample [rad]
   double reference_frequency = 0.0;     ///< of the NCO in this block [rad/s]
   std::uint32_t saturated_samples = 0;  ///< samples at the end of the converter's range
-  std::vector<double> x;                ///< [V]
-  std::vector<double> y;                ///< [V]
+  AlignedVector x;                      ///< [V]
+  AlignedVector y;                      ///< [V]
 };
 
 }  // namespace ring_gyro

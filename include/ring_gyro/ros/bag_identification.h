@@ -8,6 +8,7 @@
 
 #include "ring_gyro/ros/identification_report.h"
 #include "ring_gyro/ros/loop_bag.h"
+#include "ring_gyro/ros/stream_identifier.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace ring_gyro {
@@ -23,7 +24,7 @@ struct BagIdentificationOptions {
 /// parts of one run that was split over several.
 class BagIdentification {
  public:
-  using OnEstimate = std::function<void(const ParameterEstimate&)>;
+  using OnEstimate = StreamIdentifier::Sink;
   using OnProgress = std::function<void(double)>;
 
   /// Opens the bags and puts them in the order of their begin. Throws BagError, and

@@ -38,7 +38,8 @@ void fromMessage(const ring_gyro_msgs::OrbitalElements& message, OrbitalElements
 void toMessage(const ControlGains& gains, ring_gyro_msgs::ControlGains& message);
 void fromMessage(const ring_gyro_msgs::ControlGains& message, ControlGains& gains);
 
-void toMessage(const ParameterEstimate& estimate, ring_gyro_msgs::ParameterEstimate& message);
+void toMessage(const ParameterEstimate& estimate, const StateMatrix& covariance,
+               ring_gyro_msgs::ParameterEstimate& message);
 void fromMessage(const ring_gyro_msgs::ParameterEstimate& message, ParameterEstimate& estimate);
 
 /// `data_stamp`: end of the data that the decision came from.

@@ -25,6 +25,7 @@ struct UnusableBlocks {
 /// What identification made of a stream of messages, live, replayed or read from a bag.
 struct IdentificationReport {
   std::optional<ParameterEstimate> estimate;  ///< the last
+  StateMatrix covariance = StateMatrix::Zero();
   BlockStamp first;                           ///< first pair that the filter saw, of the last start
   BlockStamp last;                            ///< last pair
   /// Of the last start of the filter: data from its first block until it first said converged [s].

@@ -20,6 +20,7 @@ struct LoopRecord {
   const ParameterEstimate* estimate;  ///< null but at the end of a period
   const std::optional<CompensationDecision>& decision;
   const PlantSimulator& plant;
+  const Identifier& identifier;  ///< has the covariance of the estimate
 
   /// Worked out when asked for.
   PlantTruth truth() const { return plant.truth(); }

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace ring_gyro {
+
+// Several numbers worked on side by side. The compiler splits them where a machine's registers are
+// narrower, so a function marked RING_GYRO_VECTOR_CLONES uses whatever width it finds. Handed over
+// by reference: how such numbers are passed by value depends on the machine.
+
+using Lanes = double __attribute__((vector_size(64)));
+constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(double);
+using FourLanes = double __attribute__((vector_size(32)));
+using TwoLanes = double __attribute__((vector_size(16)));
+
+/// Whole numbers of the same width.
+template <typename Vector>
+struct WholeLanes;
+template <>
+struct WholeLanes<Lanes> {
+  using Type = std::uint64_t __attribute__((vector_size(64)));
+};
+template <>
+struct WholeLanes<FourLanes> {
+  using Type = std::uint64_t __attribute__((vector_size(32)));
+};
+
+template <typename Vector>
+inline void load(const double* from, Vector& lanes) {
+  std::memcpy(&lanes, from, sizeof lanes);
+}
+template <typename Vector>
+inline void store(const Vector& lanes, double* to) {
+  std::memcpy(to, &lanes, sizeof lanes);
+}
+
+inline double sumOf(const FourLanes& lanes) {
+  return (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+}
+inline double sumOf(const Lanes& lanes) {
+  return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) +
+         ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
+}
+
+}  // namespace ring_gyro

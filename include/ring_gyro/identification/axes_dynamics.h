@@ -1,0 +1,221 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "ring_gyro/common/lanes.h"
+#include "ring_gyro/common/pairs.h"
+#include "ring_gyro/common/sine_cosine.h"
+#include "ring_gyro/identification/averaged_step.h"
+
+namespace ring_gyro {
+
+/// Sines and cosines of theta, phi and -2 psi of a step: of one, side by side, or of each in turn.
+template <typename Real>
+struct StepAngles;
+
+template <>
+struct StepAngles<double> {
+  explicit StepAngles(const AveragedStep<double>& step) {
+    const FourLanes angles = {step.theta, step.phi, step.image_angle, 0.0};
+    FourLanes sine, cosine;
+    sineCosine(angles, sine, cosine);
+    theta_sine = sine[0], theta_cosine = cosine[0];
+    phi_sine = sine[1], phi_cosine = cosine[1];
+    image_sine = sine[2], image_cosine = cosine[2];
+  }
+  double theta_sine, theta_cosine, phi_sine, phi_cosine, image_sine, image_cosine;
+};
+
+template <>
+struct StepAngles<Lanes> {
+  explicit StepAngles(const AveragedStep<Lanes>& step) {
+    const Lanes angle[3] = {step.theta, step.phi, step.image_angle};
+    Lanes sine[3], cosine[3];
+// Short code counts: it is seldom run, and then comes from far.
+#pragma GCC unroll 1
+    for (int i = 0; i < 3; ++i) sineCosine(angle[i], sine[i], cosine[i]);
+    theta_sine = sine[0], theta_cosine = cosine[0];
+    phi_sine = sine[1], phi_cosine = cosine[1];
+    image_sine = sine[2], image_cosine = cosine[2];
+  }
+  Lanes theta_sine, theta_cosine, phi_sine, phi_cosine, image_sine, image_cosine;
+};
+
+/// (a, b) after a step is (1 + transition) (a, b) + force.
+template <typename Real>
+struct AxesTransition {
+  Real aa, ab, ba, bb;
+  Real a_force, b_force;
+};
+
+/// a' and b' as what they are at given angles, equations (16)(17): linear in (a, b), in the
+/// parameters and in the drive. `Real`: double, or Lanes for several steps.
+template <typename Real>
+struct AxesDynamics {
+  double decay;   ///< xi0 w0 [1/s]
+  Real coupling;  ///< w0^2 / (2 w) [rad/s]
+  Real turning;   ///< theta' / (2 w)
+  Real cosine;    ///< of 2 theta
+  Real sine;
+  // E F1 / (2 w) and E F2 / (2 w) with [F1; F2] = R(-theta) F, E = e^{-i phi} [V s].
+  Real along_real, along_imaginary, across_real, across_imaginary;
+
+  AxesDynamics() = default;
+
+  /// Adds one `lane` of `steps`; over(count) of the sum is the mean.
+  void add(const AxesDynamics<Lanes>& steps, std::size_t lane) {
+    coupling += steps.coupling[lane];
+    turning += steps.turning[lane];
+    cosine += steps.cosine[lane];
+    sine += steps.sine[lane];
+    along_real += steps.along_real[lane];
+    along_imaginary += steps.along_imaginary[lane];
+    across_real += steps.across_real[lane];
+    across_imaginary += steps.across_imaginary[lane];
+  }
+  AxesDynamics over(double count) const {
+    const double share = 1.0 / count;
+    AxesDynamics mean = *this;
+    for (Real* number : {&mean.coupling, &mean.turning, &mean.cosine, &mean.sine, &mean.along_real,
+                         &mean.along_imaginary, &mean.across_real, &mean.across_imaginary}) {
+      *number *= share;
+    }
+    return mean;
+  }
+
+  /// `angular_frequency`: w0 of the ideal ring [rad/s].
+  AxesDynamics(double decay_rate, double angular_frequency, const AveragedStep<Real>& step)
+      : decay(decay_rate) {
+    const StepAngles<Real> angles(step);
+    // The image of a component's step s: i (s - s* e^{-2 i psi}).
+    const Real& ir = angles.image_cosine;
+    const Real& ii = angles.image_sine;
+    const Real xr = step.x_real -
+                    (step.x_step_imaginary - (step.x_step_real * ii - step.x_step_imaginary * ir));
+    const Real xi = step.x_imaginary +
+                    (step.x_step_real - (step.x_step_real * ir + step.x_step_imaginary * ii));
+    const Real yr = step.y_real -
+                    (step.y_step_imaginary - (step.y_step_real * ii - step.y_step_imaginary * ir));
+    const Real yi = step.y_imaginary +
+                    (step.y_step_real - (step.y_step_real * ir + step.y_step_imaginary * ii));
+
+    const Real& c = angles.theta_cosine;
+    const Real& s = angles.theta_sine;
+    const Real scale = 0.5 / step.reference_frequency;
+    coupling = scale * (angular_frequency * angular_frequency);
+    turning = scale * step.pattern_rate;
+    cosine = c * c - s * s;
+    sine = 2.0 * c * s;
+    const Real along_r = c * xr + s * yr;
+    const Real along_i = c * xi + s * yi;
+    const Real across_r = c * yr - s * xr;
+    const Real across_i = c * yi - s * xi;
+    const Real er = scale * angles.phi_cosine;
+    const Real ei = -(scale * angles.phi_sine);
+    along_real = er * along_r - ei * along_i;
+    along_imaginary = er * along_i + ei * along_r;
+    across_real = er * across_r - ei * across_i;
+    across_imaginary = er * across_i + ei * across_r;
+  }
+
+  /// Of a midpoint step over `duration` [s].
+  AxesTransition<Real> transition(const DeviceParameters& device, double duration) const {
+    const Real gamma = device.gamma1 * cosine + device.gamma2 * sine;
+    const Real mu = coupling * (device.mu2 * cosine - device.mu1 * sine);
+    const Real a_decay = decay * (1.0 + gamma);
+    const Real b_decay = decay * (1.0 - gamma);
+    const Real aa = -a_decay - turning * mu;
+    const Real ab = mu - turning * a_decay;
+    const Real ba = -mu - turning * b_decay;
+    const Real bb = turning * mu - b_decay;
+    const double half = 0.5 * duration;
+    const Real a_force = duration * device.drive_gain * along_imaginary;
+    const Real b_force = duration * device.drive_gain * across_real;
+    AxesTransition<Real> result;
+    result.aa = duration * (aa + half * (aa * aa + ab * ba));
+    result.ab = duration * (ab + half * (aa * ab + ab * bb));
+    result.ba = duration * (ba + half * (ba * aa + bb * ba));
+    result.bb = duration * (bb + half * (ba * ab + bb * bb));
+    result.a_force = a_force + half * (aa * a_force + ab * b_force);
+    result.b_force = b_force + half * (ba * a_force + bb * b_force);
+    return result;
+  }
+};
+
+/// (a, b) after a midpoint step, and the derivatives of exactly that step, row 0: a, row 1: b.
+struct AxesStepPairs {
+  TwoLanes axes;                          ///< [V]
+  Square by_axes;                         ///< with respect to (a, b) before the step
+  Square rate_by_angles;                  ///< of the rate, with respect to (theta, phi)
+  std::array<TwoLanes, 5> by_parameters;  ///< with respect to gamma1, gamma2, mu1, mu2, ks
+};
+
+/// Rates of (a, b), equations (16)(17): linear in (a, b), in the parameters and in the drive.
+struct AxesRatePairs {
+  const AxesDynamics<double>& at;
+  const DeviceParameters& device;
+  TwoLanes force;  ///< rate per ks
+  Square by_axes;  ///< rate with respect to (a, b)
+
+  AxesRatePairs(const AxesDynamics<double>& dynamics, const DeviceParameters& parameters)
+      : at(dynamics), device(parameters), force{at.along_imaginary, at.across_real} {
+    const double gamma = device.gamma1 * at.cosine + device.gamma2 * at.sine;
+    const double mu = at.coupling * (device.mu2 * at.cosine - device.mu1 * at.sine);
+    const double a_decay = at.decay * (1.0 + gamma);
+    const double b_decay = at.decay * (1.0 - gamma);
+    by_axes = {TwoLanes{-a_decay - at.turning * mu, -mu - at.turning * b_decay},
+               TwoLanes{mu - at.turning * a_decay, at.turning * mu - b_decay}};
+  }
+
+  TwoLanes rate(const TwoLanes& axes) const { return by_axes * axes + device.drive_gain * force; }
+
+  // Damping and stiffness act on the motion, whose axes are not quite those of the envelope while
+  // the pattern turns: on (a + e b, b + e a) and (a - e b, b - e a), e = theta' / (2 w).
+
+  /// With respect to what gamma is along the axes.
+  TwoLanes byGamma(const TwoLanes& axes) const {
+    return TwoLanes{-at.decay, at.decay} * (axes + at.turning * swapped(axes));
+  }
+  /// With respect to what mu is across the axes.
+  TwoLanes byMu(const TwoLanes& axes) const {
+    return TwoLanes{at.coupling, -at.coupling} * (swapped(axes) - at.turning * axes);
+  }
+  /// With respect to (theta, phi). Turning the pattern turns F1 into F2 and F2 into -F1; turning
+  /// phi multiplies both by -i.
+  Square byAngles(const TwoLanes& axes) const {
+    const double gamma_slope = 2.0 * (device.gamma2 * at.cosine - device.gamma1 * at.sine);
+    const double mu_slope = -2.0 * (device.mu1 * at.cosine + device.mu2 * at.sine);
+    const TwoLanes turned = device.drive_gain * TwoLanes{at.across_imaginary, -at.along_real};
+    return {turned + gamma_slope * byGamma(axes) + mu_slope * byMu(axes), swapped(turned)};
+  }
+
+  /// Midpoint step over `duration` [s].
+  AxesStepPairs step(const TwoLanes& axes, double duration) const {
+    const double half = 0.5 * duration;
+    const TwoLanes middle = axes + half * rate(axes);
+    // Of a rate P it is h (P(middle) + h/2 M P(axes)).
+    const auto ofStep = [&](const TwoLanes& at_middle, const TwoLanes& at_start) {
+      return TwoLanes(duration * (at_middle + half * (by_axes * at_start)));
+    };
+    AxesStepPairs result;
+    const Square change = {ofStep(by_axes.first, by_axes.first),
+                           ofStep(by_axes.second, by_axes.second)};
+    result.by_axes = change + diagonal(1.0, 1.0);
+    result.by_parameters[4] = ofStep(force, force);
+    result.axes = axes + (change * axes + device.drive_gain * result.by_parameters[4]);
+    const TwoLanes by_gamma = ofStep(byGamma(middle), byGamma(axes));
+    const TwoLanes by_mu = ofStep(byMu(middle), byMu(axes));
+    result.by_parameters[0] = at.cosine * by_gamma;
+    result.by_parameters[1] = at.sine * by_gamma;
+    result.by_parameters[2] = -at.sine * by_mu;
+    result.by_parameters[3] = at.cosine * by_mu;
+    result.rate_by_angles = byAngles(axes);
+    return result;
+  }
+
+ private:
+  static TwoLanes swapped(const TwoLanes& pair) { return TwoLanes{pair[1], pair[0]}; }
+};
+
+}  // namespace ring_gyro
