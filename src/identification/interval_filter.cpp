@@ -201,7 +201,7 @@ RING_GYRO_NOT_INLINE IntervalUpdate IntervalFilter::update() {
   return update;
 }
 
-RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN IntervalUpdate IntervalFilter::stepAndUpdate(
+RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN IntervalUpdate IntervalFilter::stepAndUpdate(
     const AveragedStep<double>& step, double duration, const Eigen::Vector2d& measured) {
   if (samples_ > 0 || gathered_steps_ > 0) {
     this->step(step, duration, measured);

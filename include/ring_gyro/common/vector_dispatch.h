@@ -7,8 +7,11 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RING_GYRO_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#define RING_GYRO_FUSED_CLONES \
+  __attribute__((target_clones("fma", "default")))
 #else
 #define RING_GYRO_VECTOR_CLONES
+#define RING_GYRO_FUSED_CLONES
 #endif
 
 /// Keeps a function out of such a marked one: for what is seldom called, or the same at any width.
