@@ -26,15 +26,18 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
   const BlockStamp& stamp = elements.stamp;
   const Orbit& orbit = elements.orbit;
   const Eigen::Vector2cd drive = gains.drive.total();
-  Eigen::Array<double, kKinds, 1> numbers;
-  numbers << orbit.a, orbit.b, orbit.theta, orbit.phi, drive.x().real(), drive.x().imag(),
-      drive.y().real(), drive.y().imag(), gains.reference_phase, gains.reference_frequency,
-      rotation_rate, elements.group_delay;
-  const bool usable =
-      gains.stamp.session == stamp.session && gains.stamp.sequence == stamp.sequence &&
-      stamp.end_ns > 0 && stamp.duration_ns == block_duration_ns_ && elements.status.usable() &&
-      gains.status.usable() && std::abs(orbit.b) < orbit.a && gains.reference_frequency > 0.0 &&
-      numbers.abs().sum() < kLimit;  // false for NaN
+  const double x_real = drive.x().real(), x_imaginary = drive.x().imag();
+  const double y_real = drive.y().real(), y_imaginary = drive.y().imag();
+  const double magnitude =
+      ((std::abs(orbit.a) + std::abs(orbit.theta)) +
+       (std::abs(orbit.phi) + std::abs(elements.group_delay))) +
+      ((std::abs(x_real) + std::abs(x_imaginary)) + (std::abs(y_real) + std::abs(y_imaginary))) +
+      ((std::abs(gains.reference_phase) + gains.reference_frequency) + std::abs(rotation_rate));
+  const bool usable = gains.stamp.session == stamp.session &&
+                      gains.stamp.sequence == stamp.sequence && stamp.end_ns > 0 &&
+                      stamp.duration_ns == block_duration_ns_ && elements.status.usable() &&
+                      gains.status.usable() && std::abs(orbit.b) < orbit.a &&
+                      gains.reference_frequency > 0.0 && magnitude < kLimit;  // false for NaN
   if (!usable) {
     usable_run_ = 0;
     return false;
@@ -48,9 +51,19 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
     if (!setDelay(elements.group_delay, stamp.duration())) return false;
   }
   const std::size_t at = stamp.sequence % kMemory;
-  for (int kind = 0; kind < kKinds; ++kind) memory_[kind][at] = numbers[kind];
+  memory_[kMajor][at] = orbit.a;
+  memory_[kMinor][at] = orbit.b;
+  memory_[kTheta][at] = orbit.theta;
+  memory_[kPhi][at] = orbit.phi;
+  memory_[kXReal][at] = x_real;
+  memory_[kXImaginary][at] = x_imaginary;
+  memory_[kYReal][at] = y_real;
+  memory_[kYImaginary][at] = y_imaginary;
+  memory_[kPhase][at] = gains.reference_phase;
+  memory_[kFrequency][at] = gains.reference_frequency;
+  memory_[kRotation][at] = rotation_rate;
   if (at < kLanes) {
-    for (int kind = 0; kind < kKinds; ++kind) memory_[kind][at + kMemory] = numbers[kind];
+    for (auto& kind : memory_) kind[at + kMemory] = kind[at];
   }
   last_stamp_ = stamp;
   ++usable_run_;
@@ -129,11 +142,12 @@ inline void BlockChain::stepTo(std::uint64_t sequence, double decay_rate,
   step.pattern_rate = theta_change * (1.0 / block_duration_);
   step.reference_frequency = first * first_frequency + then * then_frequency;
   step.image_angle = -2.0 * phase;
-  const Real spread = 0.5 / (block_duration_ * then_frequency);
+  const Real then_inverse = 1.0 / then_frequency;
+  const Real spread = (0.5 / block_duration_) * then_inverse;
   // A drive acts in proportion to 1 / w, and less by a sinc where the pattern turns away under it.
   const Real scale = (1.0 - theta_change * theta_change * (1.0 / 24.0)) * step.reference_frequency;
   const Real first_scale = first * scale / first_frequency;
-  const Real then_scale = then * scale / then_frequency;
+  const Real then_scale = then * scale * then_inverse;
   const auto mean = [&](Kind kind, Real& drive, Real& change) {
     Real before;
     fetch(kind, acted_then - 1, before);

@@ -219,7 +219,7 @@ void Identifier::takeWaiting(bool last_of_period) {
     chain_.step(first, model_.decayRate(), step);
     Eigen::Vector2d axes;
     chain_.axes(first, axes[0], axes[1]);
-    update_ = filter_.stepAndUpdate(step, chain_.blockDuration(), axes);
+    filter_.stepAndUpdate(step, chain_.blockDuration(), axes);
   } else {
     if (waiting_ > 0) {
       AveragedStep<Lanes> steps;
@@ -230,11 +230,11 @@ void Identifier::takeWaiting(bool last_of_period) {
     }
     waiting_ = 0;
     if (!by_blocks_ && !last_of_period) return;
-    update_ = filter_.update();
+    filter_.update();
   }
   waiting_ = 0;
-  chained_ = update_.accepted;
-  if (!update_.accepted) breakChain();
+  chained_ = filter_.lastUpdate().accepted;
+  if (!chained_) breakChain();
 }
 
 void Identifier::breakChain() {
@@ -252,9 +252,10 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
   estimate.updated = complete_ && scaled_;
   if (estimate.updated) {
     used = true;
-    estimate.innovation = update_.innovation;
-    estimate.innovation_covariance = update_.innovation_covariance;
-    estimate.normalised_innovation_squared = update_.normalised_innovation_squared;
+    const IntervalUpdate& update = filter_.lastUpdate();
+    estimate.innovation = update.innovation;
+    estimate.innovation_covariance = update.innovation_covariance;
+    estimate.normalised_innovation_squared = update.normalised_innovation_squared;
   } else {
     estimate.innovation.setZero();
     estimate.innovation_covariance.setZero();

@@ -192,16 +192,15 @@ RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::advance() {
   noise_end_ = transition * (noise_end_ * transposed(transition)) + n * noise;
 }
 
-RING_GYRO_NOT_INLINE IntervalUpdate IntervalFilter::update() {
+RING_GYRO_NOT_INLINE const IntervalUpdate& IntervalFilter::update() {
   if (gathered_steps_ > 0) advance();
-  IntervalUpdate update;
-  if (samples_ == 0) return update;
-  measureMean(beliefs_[1 - present_], update);
-  keep(sensitivity_sum_.by_parameters, update);
-  return update;
+  if (samples_ == 0) return update_ = {};
+  measureMean(beliefs_[1 - present_]);
+  keep(sensitivity_sum_.by_parameters);
+  return update_;
 }
 
-RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN IntervalUpdate IntervalFilter::stepAndUpdate(
+RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN const IntervalUpdate& IntervalFilter::stepAndUpdate(
     const AveragedStep<double>& step, double duration, const Eigen::Vector2d& measured) {
   if (samples_ > 0 || gathered_steps_ > 0) {
     this->step(step, duration, measured);
@@ -211,11 +210,10 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN IntervalUpdate IntervalFilter::stepAndU
   const AxesDynamics<double> dynamics(model_.decayRate(), model_.angularFrequency(), step);
   const AxesStepPairs taken = AxesRatePairs(dynamics, parameters).step(axes_, duration);
   elapsed_ = duration;
-  IntervalUpdate result;
   measureStep(taken, stepNoise(taken, duration), pairOf(measured) - taken.axes,
-              beliefs_[1 - present_], result);
-  keep(taken.by_parameters, result);
-  return result;
+              beliefs_[1 - present_]);
+  keep(taken.by_parameters);
+  return update_;
 }
 
 /// What is measured of the axes tells of the parameters, on which it depends by `regression`, given
@@ -223,7 +221,7 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN IntervalUpdate IntervalFilter::stepAndU
 /// the second less what it has in common with the first. Gives what the parameters gain.
 inline IntervalFilter::Parameters IntervalFilter::measureParameters(
     const Regression& regression, const Square& conditional, const TwoLanes& innovation,
-    const FactoredCovariance& covariance, FactoredCovariance& next, IntervalUpdate& update) {
+    const FactoredCovariance& covariance, FactoredCovariance& next) {
   const double shared = conditional.second[0] / conditional.first[0];
   Parameters row, second_row;
   unrolled<0, kParameters>([&](auto k) {
@@ -235,10 +233,10 @@ inline IntervalFilter::Parameters IntervalFilter::measureParameters(
       innovation[0], innovation[1] - shared * innovation[0], next);
   const double a_variance = outcome.first_variance;
   const double cross = shared * a_variance + outcome.common;
-  update.innovation << innovation[0], innovation[1];
-  update.innovation_covariance << a_variance, cross, cross,
+  update_.innovation << innovation[0], innovation[1];
+  update_.innovation_covariance << a_variance, cross, cross,
       outcome.second_variance + cross * cross / a_variance;
-  update.normalised_innovation_squared =
+  update_.normalised_innovation_squared =
       innovation[0] * outcome.first_share +
       outcome.second_innovation * outcome.second_innovation / outcome.second_variance;
   return outcome.gained;
@@ -255,13 +253,12 @@ inline IntervalFilter::Regression IntervalFilter::passedOn(const Square& by_axes
 
 /// The step's end is what is measured.
 inline void IntervalFilter::measureStep(const AxesStepPairs& step, const Square& noise,
-                                        const TwoLanes& innovation, Belief& next,
-                                        IntervalUpdate& update) const {
+                                        const TwoLanes& innovation, Belief& next) {
   const Regression regression = passedOn(step.by_axes, step.by_parameters);
   const Square known = step.by_axes * (present().conditional * transposed(step.by_axes)) + noise;
   const Square conditional = known + diagonal(noise_.sample_variance, noise_.sample_variance);
-  const Parameters gained = measureParameters(regression, conditional, innovation,
-                                              present().covariance, next.covariance, update);
+  const Parameters gained =
+      measureParameters(regression, conditional, innovation, present().covariance, next.covariance);
 
   // Of the axes given the parameters; the gain is 1 - rest.
   const Square rest = noise_.sample_variance * inverse(conditional);
@@ -273,7 +270,7 @@ inline void IntervalFilter::measureStep(const AxesStepPairs& step, const Square&
   next.axes = (step.axes + (innovation - rest * innovation)) + product(next.regression, gained);
 }
 
-void IntervalFilter::measureMean(Belief& next, IntervalUpdate& update) const {
+void IntervalFilter::measureMean(Belief& next) {
   const double share = 1.0 / samples_;
   const double variance = share * noise_.sample_variance;
   const Square& to_end = sensitivity_.by_axes;
@@ -289,8 +286,8 @@ void IntervalFilter::measureMean(Belief& next, IntervalUpdate& update) const {
   const Square start_with_mean = present().conditional * transposed(to_mean);
   const Square conditional = symmetric(to_mean * start_with_mean + mean_noise);
   const TwoLanes innovation = share * (measured_sum_ - predicted_sum_);
-  const Parameters gained = measureParameters(of_mean, conditional, innovation,
-                                              present().covariance, next.covariance, update);
+  const Parameters gained =
+      measureParameters(of_mean, conditional, innovation, present().covariance, next.covariance);
 
   // Of the axes given the parameters, as a sum of what cannot be negative (Joseph).
   const Square gain = (to_end * start_with_mean + cross_noise) * inverse(conditional);
@@ -308,20 +305,20 @@ void IntervalFilter::measureMean(Belief& next, IntervalUpdate& update) const {
 
 /// Makes the next belief the present one unless a number in it is not finite, and starts the next
 /// interval. `shown`: what the measurement has shown of the parameters.
-inline void IntervalFilter::keep(const Regression& shown, IntervalUpdate& update) {
+inline void IntervalFilter::keep(const Regression& shown) {
   Belief& next = beliefs_[1 - present_];
   TwoLanes sum = next.axes;
   unrolled<0, kParameters>([&](auto k) { sum += next.regression[k] * next.parameters[k]; });
-  update.accepted = std::isfinite(
+  update_.accepted = std::isfinite(
       (sum[0] + sum[1]) +
       (next.conditional.first[0] + next.conditional.first[1] + next.conditional.second[1]) +
-      (update.normalised_innovation_squared + next.covariance.sum()));
-  if (update.accepted) {
+      (update_.normalised_innovation_squared + next.covariance.sum()));
+  if (update_.accepted) {
     if (walks_) walk(next);
     if (memory_time_ > 0.0) forget(shown, next);
     present_ = 1 - present_;
   } else {
-    update = {};
+    update_ = {};
   }
   abandon();
 }
@@ -354,7 +351,9 @@ void IntervalFilter::addTo(Belief& belief, double weight, const ParameterVector&
 
 StateVector IntervalFilter::value() const {
   StateVector value;
-  value << present().axes[0], present().axes[1], ParameterVector(present().parameters.data());
+  value[kA] = present().axes[0];
+  value[kB] = present().axes[1];
+  for (int k = 0; k < kParameters; ++k) value[2 + k] = present().parameters[k];
   return value;
 }
 
@@ -373,11 +372,14 @@ StateMatrix IntervalFilter::covariance() const {
   return result;
 }
 
-StateVector IntervalFilter::variance() const {
-  const TwoLanes axes = present().covariance.variance(present().regression);
+RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN StateVector IntervalFilter::variance() const {
+  const Belief& belief = present();
+  const TwoLanes axes = belief.covariance.variance(belief.regression);
+  const FactoredCovariance::Vector parameters = belief.covariance.variance();
   StateVector result;
-  result << present().conditional.first[0] + axes[0], present().conditional.second[1] + axes[1],
-      present().covariance.variance();
+  result[kA] = belief.conditional.first[0] + axes[0];
+  result[kB] = belief.conditional.second[1] + axes[1];
+  for (int k = 0; k < kParameters; ++k) result[2 + k] = parameters[k];
   return result;
 }
 

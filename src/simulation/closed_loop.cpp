@@ -31,7 +31,10 @@ LoopRecord ClosedLoop::step() {
   decision_.reset();
   if (estimate != nullptr) {
     decision_ = injector_.decide(*estimate);
-    if (compensation_) pending_[(first_pending_ + pending_count_++) % 2] = *decision_;
+    if (compensation_) {
+      Pending& last = pending_[(first_pending_ + pending_count_++) % 2];
+      last = {decision_->effective_sequence, decision_->gains};
+    }
   }
   return {block, *output_, estimate, decision_, plant_, identifier_};
 }

@@ -81,7 +81,6 @@ class BlockChain {
     kPhase,
     kFrequency,
     kRotation,
-    kDelay,
     kKinds
   };
 

@@ -107,7 +107,6 @@ class Identifier {
   bool chained_ = false;    // the filter's a and b are those at the end of the last period
   bool complete_ = false;   // the present period has had nothing but usable blocks
   bool by_blocks_ = false;  // the present period is filtered block by block
-  IntervalUpdate update_;   // the last one of the present period
   ParameterEstimate estimate_;
   std::uint64_t blocks_in_period_ = 0;
   double amplitude_sum_ = 0.0;

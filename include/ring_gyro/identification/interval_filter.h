@@ -70,11 +70,13 @@ class IntervalFilter {
   /// innovation, which needs no ninth digit.
   void steps(const AveragedStep<Lanes>& steps, int count, double duration, const Lanes& measured_a,
              const Lanes& measured_b);
-  /// Ends the interval with its update and starts the next.
-  IntervalUpdate update();
+  /// Ends the interval with its update and starts the next. What is given is good until the next
+  /// update.
+  const IntervalUpdate& update();
   /// A step() and an update() in one, at half the cost.
-  IntervalUpdate stepAndUpdate(const AveragedStep<double>& step, double duration,
-                               const Eigen::Vector2d& measured);
+  const IntervalUpdate& stepAndUpdate(const AveragedStep<double>& step, double duration,
+                                      const Eigen::Vector2d& measured);
+  const IntervalUpdate& lastUpdate() const { return update_; }
   /// Drops what the interval has gathered, back to its start.
   void abandon();
 
@@ -109,14 +111,13 @@ class IntervalFilter {
   void advance();
   Square stepNoise(const AxesStepPairs& step, double duration) const;
   Regression passedOn(const Square& by_axes, const Regression& by_parameters) const;
-  static Parameters measureParameters(const Regression& regression, const Square& conditional,
-                                      const TwoLanes& innovation,
-                                      const FactoredCovariance& covariance,
-                                      FactoredCovariance& next, IntervalUpdate& update);
+  Parameters measureParameters(const Regression& regression, const Square& conditional,
+                               const TwoLanes& innovation, const FactoredCovariance& covariance,
+                               FactoredCovariance& next);
   void measureStep(const AxesStepPairs& step, const Square& noise, const TwoLanes& innovation,
-                   Belief& next, IntervalUpdate& update) const;
-  void measureMean(Belief& next, IntervalUpdate& update) const;
-  void keep(const Regression& shown, IntervalUpdate& update);
+                   Belief& next);
+  void measureMean(Belief& next);
+  void keep(const Regression& shown);
   void walk(Belief& belief) const;
   void forget(const Regression& shown, Belief& belief) const;
   static void addTo(Belief& belief, double weight, const ParameterVector& direction);
@@ -128,6 +129,7 @@ class IntervalFilter {
   // finite.
   Belief beliefs_[2];
   int present_ = 0;
+  IntervalUpdate update_;
   ParameterVector variance_growth_;  // of the parameters [unit of the parameter^2 / s]
   bool walks_ = false;
   double memory_time_ = 0.0;  // 0: for ever

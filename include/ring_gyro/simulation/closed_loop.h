@@ -49,7 +49,11 @@ class ClosedLoop {
   bool started_ = false;
   std::int64_t start_ns_;
   // Waiting to act: a decision acts a period after its data, before the next but one is made.
-  std::array<CompensationDecision, 2> pending_;
+  struct Pending {
+    std::uint64_t effective_sequence = 0;
+    DampingCompensation gains;
+  };
+  std::array<Pending, 2> pending_;
   std::size_t first_pending_ = 0;
   std::size_t pending_count_ = 0;
   std::int64_t end_ns_ = 0;  // of the last block
