@@ -150,37 +150,110 @@ class DenseReference {
   int samples_ = 0;
 };
 
+AveragedStep<double> stepOf(const Record& record) {
+  return averagedStep(record.theta, record.phi, record.input);
+}
+
+/// Hands the filter `count` of these records in one go, with what must not matter behind them.
+void takeSteps(IntervalFilter& filter, const Record* records, int count) {
+  AveragedStep<Lanes> steps;
+  Lanes a, b;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const Record& record = records[std::min(k, static_cast<std::size_t>(count - 1))];
+    const AveragedStep<double> step = stepOf(record);
+    steps.theta[k] = step.theta;
+    steps.phi[k] = step.phi;
+    steps.pattern_rate[k] = step.pattern_rate;
+    steps.reference_frequency[k] = step.reference_frequency;
+    steps.x_real[k] = step.x_real;
+    steps.x_imaginary[k] = step.x_imaginary;
+    steps.y_real[k] = step.y_real;
+    steps.y_imaginary[k] = step.y_imaginary;
+    steps.x_step_real[k] = steps.x_step_imaginary[k] = 0.0;
+    steps.y_step_real[k] = steps.y_step_imaginary[k] = 0.0;
+    steps.image_angle[k] = 0.0;
+    const bool given = k < static_cast<std::size_t>(count);
+    a[k] = given ? record.measured[0] : 1e6;
+    b[k] = given ? record.measured[1] : 1e6;
+  }
+  filter.steps(steps, count, kStep, a, b);
+}
+
+/// How far the filter has been off the reference at the end of an interval.
+struct WorstErrors {
+  double value = 0.0;  // in sigmas
+  double sigma = 0.0;
+  double normalised_innovation_squared = 0.0;
+
+  void add(const IntervalFilter& filter, const DenseReference& reference, double nis) {
+    const StateMatrix covariance = filter.covariance();
+    for (int k = 0; k < 7; ++k) {
+      const double true_sigma = std::sqrt(static_cast<double>(reference.covariance()(k, k)));
+      const double off = static_cast<double>(filter.value()[k] - reference.value()[k]);
+      value = std::max(value, std::abs(off) / true_sigma);
+      sigma = std::max(sigma, std::abs(std::sqrt(covariance(k, k)) / true_sigma - 1.0));
+    }
+    const double own = filter.lastUpdate().normalised_innovation_squared;
+    normalised_innovation_squared =
+        std::max(normalised_innovation_squared, std::abs(own - nis) / (1.0 + nis));
+  }
+};
+
 TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
   for (const int period : {1, 10, 100}) {
-    SCOPED_TRACE(period);
-    const std::vector<Record> records = recordLoop(30000, 5e-6);
-    const IntervalNoise noise = noiseOf(5e-6, 2e-6);
-    IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise);
-    filter.initialise(startValue(), startSigma(), kNoWalk);
-    DenseReference reference(noise, startValue(), startSigma());
-    double worst_value = 0.0, worst_sigma = 0.0, worst_nis = 0.0;
-    for (std::size_t n = 0; n < records.size(); ++n) {
-      filter.step(records[n].theta, records[n].phi, records[n].input, kStep);
-      filter.sample(records[n].measured);
-      reference.step(records[n]);
-      if ((n + 1) % static_cast<std::size_t>(period) != 0) continue;
-      const IntervalUpdate update = filter.update();
-      ASSERT_TRUE(update.accepted);
-      const double nis = static_cast<double>(reference.update());
-      worst_nis =
-          std::max(worst_nis, std::abs(update.normalised_innovation_squared - nis) / (1.0 + nis));
-      const StateMatrix covariance = filter.covariance();
-      for (int k = 0; k < 7; ++k) {
-        const double sigma = std::sqrt(static_cast<double>(reference.covariance()(k, k)));
-        const double off = static_cast<double>(filter.value()[k] - reference.value()[k]);
-        worst_value = std::max(worst_value, std::abs(off) / sigma);
-        worst_sigma = std::max(worst_sigma, std::abs(std::sqrt(covariance(k, k)) / sigma - 1.0));
+    for (const bool in_one : {false, true}) {
+      if (in_one && period != 1) continue;
+      SCOPED_TRACE(std::to_string(period) + (in_one ? ", in one" : ""));
+      const std::vector<Record> records = recordLoop(30000, 5e-6);
+      const IntervalNoise noise = noiseOf(5e-6, 2e-6);
+      IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise);
+      filter.initialise(startValue(), startSigma(), kNoWalk);
+      DenseReference reference(noise, startValue(), startSigma());
+      WorstErrors worst;
+      for (std::size_t n = 0; n < records.size(); ++n) {
+        reference.step(records[n]);
+        if (in_one) {
+          ASSERT_TRUE(
+              filter.stepAndUpdate(stepOf(records[n]), kStep, records[n].measured).accepted);
+        } else {
+          filter.step(stepOf(records[n]), kStep, records[n].measured);
+          if ((n + 1) % static_cast<std::size_t>(period) != 0) continue;
+          ASSERT_TRUE(filter.update().accepted);
+        }
+        worst.add(filter, reference, static_cast<double>(reference.update()));
       }
+      EXPECT_LT(worst.value, 1e-6);
+      EXPECT_LT(worst.sigma, 1e-8);
+      EXPECT_LT(worst.normalised_innovation_squared, 1e-7);
     }
-    EXPECT_LT(worst_value, 1e-6);
-    EXPECT_LT(worst_sigma, 1e-8);
-    EXPECT_LT(worst_nis, 1e-7);
   }
+}
+
+// Each step is predicted by itself, but the derivatives are those of up to 32 steps in one: the
+// same estimates but for weights that are off by some 1e-5.
+TEST(IntervalFilter, TakesSeveralStepsInOneGo) {
+  const std::vector<Record> records = recordLoop(30000, 5e-6);
+  const IntervalNoise noise = noiseOf(5e-6, 2e-6);
+  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise);
+  StateVector sigma;
+  sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-8, 1e-8, 100.0;
+  StateVector value;
+  value << 1.0, 0.0, 0.0201, 0.0301, -30.01e-6, -40.01e-6, 1.1e5;
+  filter.initialise(value, sigma, kNoWalk);
+  DenseReference reference(noise, value, sigma);
+  WorstErrors worst;
+  for (std::size_t n = 0; n < records.size(); n += 100) {
+    for (std::size_t k = 0; k < 100; k += kLanes) {
+      takeSteps(filter, &records[n + k], static_cast<int>(std::min<std::size_t>(kLanes, 100 - k)));
+    }
+    for (std::size_t k = 0; k < 100; ++k) reference.step(records[n + k]);
+    ASSERT_TRUE(filter.update().accepted);
+    worst.add(filter, reference, static_cast<double>(reference.update()));
+  }
+  RecordProperty("worst_value_in_sigmas", std::to_string(worst.value));
+  EXPECT_LT(worst.value, 2e-3);
+  EXPECT_LT(worst.sigma, 1e-4);
+  EXPECT_LT(worst.normalised_innovation_squared, 2e-3);
 }
 
 // A ring without dynamics, so that the noise of end and mean can be written down: from a known
@@ -188,8 +261,10 @@ TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
 TEST(IntervalFilter, ProcessNoiseEntersMeanAndEndAsItShould) {
   const double density = 1e-3;
   const double process = 0.5;
-  for (const int samples : {1, 2, 7, 100}) {
-    SCOPED_TRACE(samples);
+  for (const int run : {1, 2, 7, 100, -1, -2, -7, -100}) {
+    SCOPED_TRACE(run);
+    const int samples = std::abs(run);
+    const bool in_one_go = run < 0;
     IntervalNoise noise;
     noise.sample_variance = density * density / kStep;
     noise.axes_density = process * process;
@@ -200,9 +275,15 @@ TEST(IntervalFilter, ProcessNoiseEntersMeanAndEndAsItShould) {
     filter.initialise(value, StateVector::Zero(), kNoWalk);
     AveragedInput input;
     input.reference_frequency = kTwoPi * kFrequency;
-    for (int n = 0; n < samples; ++n) {
-      filter.step(0.3, -kPi / 2, input, kStep);
-      filter.sample({1.5, 0.25});
+    if (in_one_go) {
+      const std::vector<Record> records(kLanes, Record{0.3, -kPi / 2, input, {1.5, 0.25}});
+      for (int n = 0; n < samples; n += static_cast<int>(kLanes)) {
+        takeSteps(filter, records.data(), std::min(static_cast<int>(kLanes), samples - n));
+      }
+    } else {
+      for (int n = 0; n < samples; ++n) {
+        filter.step(averagedStep(0.3, -kPi / 2, input), kStep, {1.5, 0.25});
+      }
     }
     const IntervalUpdate update = filter.update();
     const double n = samples;
@@ -230,8 +311,7 @@ TEST(IntervalFilter, ParametersWalk) {
   const std::vector<Record> records = recordLoop(100, 0.0);
   for (int period = 0; period < 4; ++period) {
     for (const Record& record : records) {
-      filter.step(record.theta, record.phi, record.input, kStep);
-      filter.sample(record.measured);
+      filter.step(stepOf(record), kStep, record.measured);
     }
     ASSERT_TRUE(filter.update().accepted);
   }
@@ -255,8 +335,8 @@ TEST(IntervalFilter, ForgetsOnlyWhatNewerDataShow) {
   StateVector before;
   for (int period = 0; period < 3000; ++period) {
     for (int block = 0; block < 100; ++block) {
-      filter.step(theta, -0.5 * 3.14159265358979, input, kStep);
-      filter.sample(filter.value().head<2>());
+      filter.step(averagedStep(theta, -0.5 * 3.14159265358979, input), kStep,
+                  filter.value().head<2>());
     }
     ASSERT_TRUE(filter.update().accepted);
     if (period == 99) before = filter.covariance().diagonal();
@@ -272,8 +352,7 @@ TEST(IntervalFilter, RestartedAxesAreCorrelatedWithNothing) {
   IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 2e-6));
   filter.initialise(startValue(), startSigma(), kNoWalk);
   for (const Record& record : recordLoop(100, 5e-6)) {
-    filter.step(record.theta, record.phi, record.input, kStep);
-    filter.sample(record.measured);
+    filter.step(stepOf(record), kStep, record.measured);
   }
   filter.update();
   const StateMatrix before = filter.covariance();
@@ -292,17 +371,15 @@ TEST(IntervalFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   filter.initialise(startValue(), startSigma(), kNoWalk);
   EXPECT_FALSE(filter.update().accepted);  // no sample at all
   const std::vector<Record> records = recordLoop(10, 0.0);
-  filter.step(records[0].theta, records[0].phi, records[0].input, kStep);
-  filter.sample({std::nan(""), 0.0});
+  filter.step(stepOf(records[0]), kStep, {std::nan(""), 0.0});
   EXPECT_FALSE(filter.update().accepted);
-  filter.step(std::nan(""), records[0].phi, records[0].input, kStep);
-  filter.sample(records[0].measured);
+  filter.step(averagedStep(std::nan(""), records[0].phi, records[0].input), kStep,
+              records[0].measured);
   EXPECT_FALSE(filter.update().accepted);
   EXPECT_EQ(filter.value(), startValue());
   EXPECT_TRUE(
       filter.covariance().isApprox(StateMatrix(startSigma().cwiseAbs2().asDiagonal()), 1e-15));
-  filter.step(records[0].theta, records[0].phi, records[0].input, kStep);
-  filter.sample(records[0].measured);
+  filter.step(stepOf(records[0]), kStep, records[0].measured);
   EXPECT_TRUE(filter.update().accepted);
 }
 
@@ -316,8 +393,7 @@ TEST(IntervalFilter, CovarianceStaysSymmetricAndPositiveOver300000Updates) {
     const Record& record = records[static_cast<std::size_t>(n) % records.size()];
     // 30 s are three quarters of a turn of the pattern: restart where the record does.
     if (n % 30000 == 0) filter.restartAxes(record.measured, 1.0);
-    filter.step(record.theta, record.phi, record.input, kStep);
-    filter.sample(record.measured);
+    filter.step(stepOf(record), kStep, record.measured);
     ASSERT_TRUE(filter.update().accepted) << n;
     if (n % 100 != 0) continue;
     const StateMatrix covariance = filter.covariance();
@@ -342,8 +418,7 @@ TEST(IntervalFilter, InnovationsAreAsLargeAsTheirCovarianceSays) {
     filter.initialise(value, sigma, kNoWalk);
     const std::vector<Record> records = recordLoop(30000, 5e-6, seed);
     for (std::size_t n = 0; n < records.size(); ++n) {
-      filter.step(records[n].theta, records[n].phi, records[n].input, kStep);
-      filter.sample(records[n].measured);
+      filter.step(stepOf(records[n]), kStep, records[n].measured);
       if ((n + 1) % 100 != 0) continue;
       sum += filter.update().normalised_innovation_squared;
       ++updates;
