@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <variant>
 
 namespace ring_gyro {
 namespace {
@@ -12,15 +10,7 @@ const ExtendedParameters& checked(const ExtendedParameters& parameters) {
   ExtendedParameters copy = parameters;
   ParameterTable table;
   copy.declare(table);
-  for (const Parameter& parameter : table.parameters()) {
-    if (const auto* number = std::get_if<double*>(&parameter.target)) {
-      if (!parameter.range.contains(**number)) {
-        throw std::invalid_argument("extended: " + parameter.key + " = " +
-                                    std::to_string(**number) + " must be " +
-                                    parameter.range.text());
-      }
-    }
-  }
+  requireInRange(table, "extended/");
   return parameters;
 }
 

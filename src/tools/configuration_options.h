@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace ring_gyro {
@@ -25,9 +24,5 @@ class ConfigurationOptions {
   std::string seed_;
   std::vector<std::string> overrides_;
 };
-
-/// Options of the command line that a table declares, its keys being their names. Throws
-/// std::invalid_argument with a line for each number that is not in its range.
-void requireInRange(const ParameterTable& table);
 
 }  // namespace ring_gyro
