@@ -14,17 +14,6 @@ const ExtendedParameters& checked(const ExtendedParameters& parameters) {
   return parameters;
 }
 
-std::int64_t wholeBlocks(double period, const ConverterParameters& converter) {
-  const double blocks = period / converter.blockDuration();
-  const double whole = std::round(blocks);
-  if (whole < 1.0 || std::abs(blocks - whole) > 1e-6) {
-    throw std::invalid_argument("extended: update_period = " + std::to_string(period) +
-                                " s must be a whole number of blocks of " +
-                                std::to_string(converter.blockDuration()) + " s");
-  }
-  return static_cast<std::int64_t>(whole);
-}
-
 double square(double x) { return x * x; }
 
 // Relative change of an orbit by the cubic term. Known this well, the term is found; off by less
@@ -60,7 +49,7 @@ ExtendedIdentifier::ExtendedIdentifier(const ExtendedParameters& parameters,
                                        const ConverterParameters& converter)
     : parameters_(checked(parameters)),
       state_(parameters),
-      period_blocks_(wholeBlocks(parameters.update_period, converter)),
+      period_blocks_(converter.wholeBlocks(parameters.update_period, "extended/update_period")),
       block_duration_(converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(block_duration_)),
       // Demodulation gives each quadrature the two-sided density N^2; the moving average in it
