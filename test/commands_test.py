@@ -88,12 +88,26 @@ class Refusal(unittest.TestCase):
             for (key, value), line in zip(wrong.items(), lines):
                 self.assertRegex(line, f"^--{key} = {value}: out of range; allowed: .")
 
+    def refused(self, name: str, *arguments) -> str:
+        done = run(name, *arguments)
+        self.assertEqual(done.returncode, 1, name)
+        self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+        return done.stderr
+
     def test_output_that_cannot_be_written(self):
         done = run("simulate", "--config", CONFIG / "paper_simulation.yaml", "--duration", "0.1",
                    "--output", "/absent/run.bag")
         self.assertEqual(done.returncode, 1)
         self.assertIn("/absent/run.bag: cannot be written", done.stderr)
         self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+
+    def test_device_that_is_not_told_or_told_twice(self):
+        for name in ("identify", "compare_identifiers"):
+            self.assertIn("--config FILE or --preset NAME", self.refused(name, "run.bag"))
+            self.assertIn("exclude each other", self.refused(
+                name, "run.bag", "--config", "x.yaml", "--preset", "realistic"))
+            self.assertIn("presets are the files of", self.refused(
+                name, "run.bag", "--preset", "absent"))
 
 
 class Paper(unittest.TestCase):

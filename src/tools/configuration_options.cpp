@@ -14,9 +14,10 @@ void ConfigurationOptions::addTo(options::options_description& description) {
       "section/key=value, in place of what the file says; may be repeated");
 }
 
-LoopConfiguration ConfigurationOptions::read() const {
+LoopConfiguration ConfigurationOptions::read(const std::vector<std::string>& more_overrides) const {
   if (files_.empty()) throw options::error("--config FILE is missing; see --help");
   std::vector<std::string> overrides = overrides_;
+  overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
   if (!seed_.empty()) overrides.push_back("run/seed=" + seed_);
   return readConfigurationFiles(files_, overrides);
 }

@@ -15,9 +15,9 @@ class ConfigurationOptions {
  public:
   void addTo(boost::program_options::options_description& description);
 
-  /// To be called when the options have been parsed. Throws ConfigurationError, or
-  /// boost::program_options::error when --config is missing.
-  LoopConfiguration read() const;
+  /// To be called when the options have been parsed; `more_overrides` go before --seed. Throws
+  /// ConfigurationError, or boost::program_options::error when --config is missing.
+  LoopConfiguration read(const std::vector<std::string>& more_overrides = {}) const;
 
  private:
   std::vector<std::string> files_;

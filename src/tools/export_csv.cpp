@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "command_line.h"
 #include "progress_bar.h"
 #include "ring_gyro/logs/log_table.h"
 #include "ring_gyro/ros/conversions.h"
@@ -40,13 +41,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   description.add_options()("help,h", "this text")("bag", options::value(&arguments.bag_file),
                                                    "recorded run (or the only argument)")(
       "output,o", options::value(&arguments.log_file), "table to write");
-  options::positional_options_description positions;
-  positions.add("bag", 1);
-  options::variables_map values;
-  options::store(
-      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
-      values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description, "bag", 1);
   if (values.count("help") != 0) {
     std::cout << "usage: export_csv BAG --output LOG.csv\n" << description;
     return std::nullopt;

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/logs/log_importer.h"
@@ -97,13 +98,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "session", options::value(&import.session), "number of the run in the bag")(
       "partial", options::bool_switch(&import.partial),
       "leave out rows that cannot be used, and count them");
-  options::positional_options_description positions;
-  positions.add("log", 1);
-  options::variables_map values;
-  options::store(
-      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
-      values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description, "log", 1);
   if (values.count("help") != 0) {
     std::string names;
     for (const QuantityInfo& info : quantities()) names += std::string(" ") + info.name;

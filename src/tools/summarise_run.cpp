@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "command_line.h"
 #include "ring_gyro/analysis/run_record.h"
 #include "ring_gyro/analysis/run_summary.h"
 #include "ring_gyro/common/whole_file.h"
@@ -45,13 +46,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "after the first lock, before anything is judged [s]")(
       "window", options::value(&arguments.summary.rate_window)->default_value(0.1, "0.1"),
       "of the rates [s]");
-  options::positional_options_description positions;
-  positions.add("bag", 1);
-  options::variables_map values;
-  options::store(
-      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
-      values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description, "bag", 1);
   if (values.count("help") != 0) {
     std::cout << "usage: summarise_run BAG [--json FILE] [--csv DIRECTORY]\n" << description;
     return std::nullopt;
