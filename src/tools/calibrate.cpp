@@ -100,9 +100,7 @@ int main(int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     const LoopConfiguration configuration = configuration_options.read();
-    for (const std::string& file : {output_file, json_file}) {
-      if (!file.empty()) requireWritable(file);
-    }
+    for (const std::string& file : {output_file, json_file}) requireWritable(file);
     const CalibrationResult result = calibrate(configuration);
     std::printf("\n%s", calibrationText(result).c_str());
     if (!json_file.empty()) writeWholeFile(json_file, jsonOf(result).dump(1) + "\n");

@@ -114,6 +114,7 @@ void run(Arguments& arguments) {
   ParameterTable table;
   sweep.declare(table);
   requireInRange(table, "--");
+  for (const std::string& file : {arguments.device_file, arguments.csv_file}) requireWritable(file);
   const double total = 2.0 * static_cast<double>(sweep.points) * (sweep.settling + sweep.averaging);
   ProgressBar progress(total);
   const auto seed = static_cast<std::uint64_t>(configuration.run.seed);

@@ -291,6 +291,7 @@ int main(int argc, char** argv) {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;
     const LoopConfiguration configuration = arguments->device.read();
+    requireWritable(arguments->json_file);
     Identification identification(*arguments, configuration);
     return report(identification.run(), *arguments, configuration);
   } catch (const std::exception& error) {

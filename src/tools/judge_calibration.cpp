@@ -119,7 +119,9 @@ int main(int argc, char** argv) {
                 << description;
       return EXIT_SUCCESS;
     }
-    const nlohmann::json rows = judge(configuration_options.read(), time, each_switch);
+    const LoopConfiguration configuration = configuration_options.read();
+    requireWritable(json_file);
+    const nlohmann::json rows = judge(configuration, time, each_switch);
     if (!json_file.empty()) writeWholeFile(json_file, rows.dump(1) + "\n");
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

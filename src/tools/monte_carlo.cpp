@@ -243,9 +243,7 @@ class LineFile {
   }
 
  private:
-  [[noreturn]] void fail() const {
-    throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno));
-  }
+  [[noreturn]] void fail() const { throw std::runtime_error(writeFault(path_, errno)); }
 
   std::string path_;
   int file_;

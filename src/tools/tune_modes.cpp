@@ -87,6 +87,7 @@ int main(int argc, char** argv) {
     ParameterTable table;
     tuning.declare(table);
     requireInRange(table, "--");
+    requireWritable(output_file);
     run(configuration, tuning, output_file);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
