@@ -364,6 +364,23 @@ TEST_F(BadLog, RaggedRow) {
   expectRowFault("5 fields where there are 8 columns", RowFault::kRagged);
 }
 
+TEST_F(BadLog, CommasAreDelimiterAndDecimalSign) {
+  write(kHeader + replaced(replaced(tableText(20), kHeader, ""), ".", ","));
+  const std::string fault = faultOf();
+  EXPECT_TRUE(contains(fault, "log.csv, line 1: 8 names over rows of 16 fields")) << fault;
+  EXPECT_TRUE(contains(fault, "commas are both delimiter and decimal sign")) << fault;
+  EXPECT_TRUE(contains(fault, "write the file with ';' between the fields")) << fault;
+}
+
+TEST_F(BadLog, RowsWithFewerCommasBecauseOfWholeNumbers) {
+  write(replaced(replaced(tableText(20), kHeader, ""), ".", ",") +
+        "1,02,1,0,0,12,-1,57,89190,0,0\n");
+  const std::string fault =
+      faultOf({"t=1", "a=2", "b=3", "theta=4", "omega=5", "beta=6", "alpha=7"});
+  EXPECT_TRUE(contains(fault, "line 21: 11 fields where there are 16 columns")) << fault;
+  EXPECT_TRUE(contains(fault, "if commas are both delimiter and decimal sign, write")) << fault;
+}
+
 TEST_F(BadLog, CutInTheMiddleOfALine) {
   std::string text = tableText(20);
   text.resize(text.size() - 30);
