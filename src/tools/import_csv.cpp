@@ -90,7 +90,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "middle of the time in which the drive acted [s]")(
       "phi-offset", text(), "to add to phi so that it is locked at -90 deg, such as -90deg [rad]")(
       "mirror", options::bool_switch(&import.mirror), "the lab's theta grows from x to -y")(
-      "average", options::value(&import.average), "rows in a block; otherwise about 1 ms of them")(
+      "average", options::value(&import.average)->default_value(import.average),
+      "rows in a block; 0: as many as make about 1 ms")(
       "minimum-amplitude", text(),
       "of the major axis, for a block to be used; otherwise 0.9 of the median over the first rows "
       "[V]")("attenuation", options::value(&import.stopband_attenuation),
@@ -132,7 +133,9 @@ std::optional<Arguments> parse(int argc, char** argv) {
   import.group_delay = quantity("group-delay", Dimension::kTime).value_or(0.0);
   import.phi_offset = quantity("phi-offset", Dimension::kAngle).value_or(0.0);
   import.minimum_amplitude = quantity("minimum-amplitude", Dimension::kVoltage);
-  if (import.average < 0) throw options::error("--average must be at least 1");
+  if (import.average < 0) {
+    throw options::error("--average must be a number of rows, or 0: as many as make about 1 ms");
+  }
   if (arguments.log_file.empty()) {
     throw options::error("the log is missing; see import_csv --help");
   }
