@@ -332,6 +332,19 @@ TEST_F(LogImport, MissingRowsBecomeMissingSequences) {
   EXPECT_EQ(log.blocks[7].first.stamp.end_ns, 1009000000);
 }
 
+TEST_F(LogImport, SaysWhereTheGroupDelayIsFrom) {
+  write(tableText(20));
+  ImportOptions options;
+  options.group_delay = 1e-3;
+  EXPECT_EQ(import({}, options).group_delay, "0.001 s");
+  EXPECT_EQ(import({}, {}, {"group_delay=2ms"}).group_delay, "0.002 s");
+  std::string text = replaced(tableText(20), "alpha\n", "alpha,Delay [ms]\n");
+  write(replaced(text, "0\n", "0,1.5\n"));
+  const ImportedLog log = import({"group_delay=Delay"});
+  EXPECT_EQ(log.group_delay, "from column Delay [ms]");
+  EXPECT_NEAR(log.blocks[3].first.group_delay, 1.5e-3, 1e-12);
+}
+
 // Bad input: one line with file, place, fault and mend; with --partial the rest is taken.
 
 class BadLog : public LogImport {

@@ -250,10 +250,10 @@ void run(const Arguments& arguments) {
               map.table({importer.firstRow().data(),
                          importer.firstRow().data() + importer.firstRow().size()})
                   .c_str());
-  std::printf("rows       every %.9g s, %ld in a block of %.9g s, group delay %.9g s\n",
+  std::printf("rows       every %.9g s, %ld in a block of %.9g s, group delay %s\n",
               importer.rowPeriod(), static_cast<long>(importer.rowsPerBlock()),
               1e-9 * static_cast<double>(importer.blockDurationNanoseconds()),
-              importer.groupDelay());
+              importer.groupDelayText().c_str());
   std::fflush(stdout);
   if (arguments.dry_run) return;
 
