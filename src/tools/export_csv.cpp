@@ -14,11 +14,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "bag_message.h"
 #include "command_line.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/logs/log_table.h"
-#include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/pair_merge.h"
 
 namespace ring_gyro {
@@ -50,18 +50,6 @@ std::optional<Arguments> parse(int argc, char** argv) {
     throw options::error("--output LOG.csv is missing; see export_csv --help");
   }
   return arguments;
-}
-
-template <typename Message, typename Signal>
-void add(const rosbag::MessageInstance& instance, Signal& signal, PairMerge& merge) {
-  if (instance.getDataType() != ros::message_traits::datatype<Message>()) return;
-  const auto message = instance.instantiate<Message>();
-  if (!message) {
-    throw std::runtime_error(instance.getTopic() + ": " + instance.getDataType() +
-                             " of another version of this package");
-  }
-  fromMessage(*message, signal);
-  merge.add(signal);
 }
 
 void requireTopics(rosbag::View& view) {
@@ -105,8 +93,8 @@ void exportBag(const Arguments& arguments) {
   ControlGains gains;
   double messages = 0.0;
   for (const rosbag::MessageInstance& instance : view) {
-    add<ring_gyro_msgs::OrbitalElements>(instance, elements, merge);
-    add<ring_gyro_msgs::ControlGains>(instance, gains, merge);
+    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements)) merge.add(elements);
+    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains)) merge.add(gains);
     progress.show(messages += 1.0);
   }
   merge.flush();
