@@ -88,12 +88,39 @@ class Refusal(unittest.TestCase):
             for (key, value), line in zip(wrong.items(), lines):
                 self.assertRegex(line, f"^--{key} = {value}: out of range; allowed: .")
 
-    def test_output_that_cannot_be_written(self):
-        done = run("simulate", "--config", CONFIG / "paper_simulation.yaml", "--duration", "0.1",
-                   "--output", "/absent/run.bag")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("/absent/run.bag: cannot be written", done.stderr)
+    def refused(self, name: str, *arguments) -> str:
+        done = run(name, *arguments)
+        self.assertEqual(done.returncode, 1, name)
         self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+        return done.stderr
+
+    def test_output_that_cannot_be_written(self):
+        device = ("--config", CONFIG / "paper_simulation.yaml")
+        with tempfile.TemporaryDirectory() as scratch:
+            bag, log = Path(scratch) / "run.bag", Path(scratch) / "log.csv"
+            for command in (("simulate", *device, "--duration", 0.2, "--output", bag),
+                            ("export_csv", bag, "--output", log)):
+                self.assertEqual(run(*command).returncode, 0, command)
+            for command in (("simulate", *device, "--duration", 0.1, "--output"),
+                            ("calibrate", *device, "--output"),
+                            ("judge_calibration", *device, "--json"),
+                            ("tune_modes", "--config", CONFIG / "untuned.yaml", "--output"),
+                            ("frequency_response", *device, "--output"),
+                            ("monte_carlo", *device, "--count", 1, "--output"),
+                            ("identify", bag, *device, "--json"),
+                            ("import_csv", log, "--output"),
+                            ("export_csv", bag, "--output")):
+                line = self.refused(*command, "/absent/file")
+                self.assertIn("/absent/file: cannot be written: No such file or directory; the "
+                              "folder /absent does not exist; make it or choose", line)
+
+    def test_device_that_is_not_told_or_told_twice(self):
+        for name in ("identify", "compare_identifiers"):
+            self.assertIn("--config FILE or --preset NAME", self.refused(name, "run.bag"))
+            self.assertIn("exclude each other", self.refused(
+                name, "run.bag", "--config", "x.yaml", "--preset", "realistic"))
+            self.assertIn("presets are the files of", self.refused(
+                name, "run.bag", "--preset", "absent"))
 
 
 class Paper(unittest.TestCase):

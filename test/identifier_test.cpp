@@ -52,14 +52,14 @@ void expectNear(const ParameterEstimate& estimate, double gamma, double mu, doub
 
 void expectFinite(const ParameterEstimate& estimate) {
   EXPECT_TRUE(estimate.value.allFinite());
-  EXPECT_TRUE(estimate.covariance.allFinite());
+  EXPECT_TRUE(estimate.variance.allFinite());
   EXPECT_TRUE(estimate.innovation.allFinite());
   EXPECT_TRUE(estimate.innovation_covariance.allFinite());
   EXPECT_TRUE(std::isfinite(estimate.normalised_innovation_squared));
   EXPECT_TRUE(std::isfinite(estimate.residual_gamma1));
   EXPECT_TRUE(std::isfinite(estimate.residual_gamma2));
   EXPECT_TRUE(std::isfinite(estimate.angle_covered));
-  for (int k = 0; k < 7; ++k) EXPECT_GE(estimate.covariance(k, k), 0.0);
+  for (int k = 0; k < 7; ++k) EXPECT_GE(estimate.variance[k], 0.0);
 }
 
 std::uint64_t accountedFor(const ParameterEstimate& estimate) {
@@ -164,9 +164,9 @@ TEST(Identifier, ErrorsAreAsLargeAsItsCovarianceSays) {
       }
     }
     const Eigen::Matrix<double, 5, 1> error = (last.value - truth(loop)).tail<5>();
-    const Eigen::Matrix<double, 5, 1> scale = last.covariance.diagonal().tail<5>().cwiseSqrt();
+    const Eigen::Matrix<double, 5, 1> scale = last.variance.tail<5>().cwiseSqrt();
     const Eigen::Matrix<double, 5, 5> correlation = scale.asDiagonal().inverse() *
-                                                    last.covariance.bottomRightCorner<5, 5>() *
+                                                    identifier.covariance().bottomRightCorner<5, 5>() *
                                                     scale.asDiagonal().inverse();
     const Eigen::Matrix<double, 5, 1> scaled = error.cwiseQuotient(scale);
     sum += scaled.dot(correlation.ldlt().solve(scaled));
@@ -353,6 +353,7 @@ TEST(Identifier, ParametersOutlastABreakAndTheAxesDoNot) {
   AveragedLoop loop{AveragedLoop::Options{}};
   Identifier identifier(parametersFor(), ConverterParameters{});
   const ParameterEstimate before = run(identifier, loop, 20000);
+  const StateMatrix covariance = identifier.covariance();
   ParameterEstimate broken;
   for (int n = 0; n < 100; ++n) {
     AveragedLoop::Output output = loop.step();
@@ -361,15 +362,16 @@ TEST(Identifier, ParametersOutlastABreakAndTheAxesDoNot) {
   }
   EXPECT_FALSE(broken.updated);
   EXPECT_EQ(broken.value.tail<5>(), before.value.tail<5>());
-  EXPECT_EQ((broken.covariance.bottomRightCorner<5, 5>()),
-            (before.covariance.bottomRightCorner<5, 5>()));
-  EXPECT_TRUE((broken.covariance.topRightCorner<2, 5>().isZero(0.0)));
+  EXPECT_EQ(broken.variance.tail<5>(), before.variance.tail<5>());
+  EXPECT_EQ((identifier.covariance().bottomRightCorner<5, 5>()),
+            (covariance.bottomRightCorner<5, 5>()));
+  EXPECT_TRUE((identifier.covariance().topRightCorner<2, 5>().isZero(0.0)));
   EXPECT_GT(broken.sigma(kA), 1e-3);
   const ParameterEstimate after = run(identifier, loop, 100);
   EXPECT_TRUE(after.updated);
   EXPECT_LT(after.sigma(kA), 1e-4);
   for (int k = kGamma1; k <= kDriveGain; ++k)
-    EXPECT_LE(after.covariance(k, k), before.covariance(k, k));
+    EXPECT_LE(after.variance[k], before.variance[k]);
 }
 
 TEST(Identifier, NewSessionStartsAfresh) {
@@ -394,7 +396,9 @@ TEST(Identifier, NewSessionStartsAfresh) {
   const ParameterEstimate continued = run(identifier, second, 4900);
   const ParameterEstimate repeated = run(fresh, again, 5000);
   EXPECT_EQ(continued.value, repeated.value);
-  EXPECT_EQ(continued.covariance, repeated.covariance);
+  EXPECT_EQ(continued.variance, repeated.variance);
+  EXPECT_EQ(identifier.covariance(), fresh.covariance());
+  EXPECT_EQ(identifier.covariance().diagonal(), continued.variance);
   EXPECT_EQ(fresh.restarts(), 0u);
 }
 

@@ -19,6 +19,7 @@ struct ImportedLog {
   std::vector<std::pair<OrbitalElements, ControlGains>> blocks;
   ImportCounts counts;
   std::string table;
+  std::string group_delay;
 };
 
 /// A folder of its own for each test, and the import of files in it.
@@ -44,6 +45,7 @@ class LogTest : public ::testing::Test {
     ImportedLog log;
     const LogRow& first = importer.firstRow();
     log.table = map.table({first.data(), first.data() + first.size()});
+    log.group_delay = importer.groupDelayText();
     log.counts = importer.run(
         [&log](const OrbitalElements& elements, const ControlGains& gains) {
           log.blocks.emplace_back(elements, gains);

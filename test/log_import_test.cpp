@@ -332,6 +332,19 @@ TEST_F(LogImport, MissingRowsBecomeMissingSequences) {
   EXPECT_EQ(log.blocks[7].first.stamp.end_ns, 1009000000);
 }
 
+TEST_F(LogImport, SaysWhereTheGroupDelayIsFrom) {
+  write(tableText(20));
+  ImportOptions options;
+  options.group_delay = 1e-3;
+  EXPECT_EQ(import({}, options).group_delay, "0.001 s");
+  EXPECT_EQ(import({}, {}, {"group_delay=2ms"}).group_delay, "0.002 s");
+  std::string text = replaced(tableText(20), "alpha\n", "alpha,Delay [ms]\n");
+  write(replaced(text, "0\n", "0,1.5\n"));
+  const ImportedLog log = import({"group_delay=Delay"});
+  EXPECT_EQ(log.group_delay, "from column Delay [ms]");
+  EXPECT_NEAR(log.blocks[3].first.group_delay, 1.5e-3, 1e-12);
+}
+
 // Bad input: one line with file, place, fault and mend; with --partial the rest is taken.
 
 class BadLog : public LogImport {
@@ -362,6 +375,23 @@ class BadLog : public LogImport {
 TEST_F(BadLog, RaggedRow) {
   writeWith("1.012,1,0,0.12,-1.57\n");
   expectRowFault("5 fields where there are 8 columns", RowFault::kRagged);
+}
+
+TEST_F(BadLog, CommasAreDelimiterAndDecimalSign) {
+  write(kHeader + replaced(replaced(tableText(20), kHeader, ""), ".", ","));
+  const std::string fault = faultOf();
+  EXPECT_TRUE(contains(fault, "log.csv, line 1: 8 names over rows of 16 fields")) << fault;
+  EXPECT_TRUE(contains(fault, "commas are both delimiter and decimal sign")) << fault;
+  EXPECT_TRUE(contains(fault, "write the file with ';' between the fields")) << fault;
+}
+
+TEST_F(BadLog, RowsWithFewerCommasBecauseOfWholeNumbers) {
+  write(replaced(replaced(tableText(20), kHeader, ""), ".", ",") +
+        "1,02,1,0,0,12,-1,57,89190,0,0\n");
+  const std::string fault =
+      faultOf({"t=1", "a=2", "b=3", "theta=4", "omega=5", "beta=6", "alpha=7"});
+  EXPECT_TRUE(contains(fault, "line 21: 11 fields where there are 16 columns")) << fault;
+  EXPECT_TRUE(contains(fault, "if commas are both delimiter and decimal sign, write")) << fault;
 }
 
 TEST_F(BadLog, CutInTheMiddleOfALine) {

@@ -344,7 +344,7 @@ TEST(PlantSimulator, ExactAndSampledPathsAgree) {
   p.rotation.frequency = 1.0;
   Bench sampled(p);
   for (int n = 0; n < 300; ++n) {
-    const std::vector<double> x = exact.drive(kDrive).x;
+    const AlignedVector x = exact.drive(kDrive).x;
     const DisplacementBlock& other = sampled.drive(kDrive);
     for (std::size_t j = 0; j < x.size(); j += 37) ASSERT_NEAR(x[j], other.x[j], 1e-11);
   }

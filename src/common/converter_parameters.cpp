@@ -1,8 +1,8 @@
 #include "ring_gyro/common/converter_parameters.h"
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
-#include <string>
 
 namespace ring_gyro {
 
@@ -15,6 +15,18 @@ std::int64_t ConverterParameters::blockDurationNanoseconds() const {
         " ns must be a whole number of nanoseconds; change block_samples or sample_rate");
   }
   return static_cast<std::int64_t>(rounded);
+}
+
+std::int64_t ConverterParameters::wholeBlocks(double period, const std::string& name) const {
+  const double blocks = period / blockDuration();
+  const double whole = std::round(blocks);
+  if (!(whole >= 1.0) || std::abs(blocks - whole) > 1e-6) {
+    std::ostringstream fault;
+    fault << name << " = " << period << " s must be a whole number of blocks of " << blockDuration()
+          << " s";
+    throw std::invalid_argument(fault.str());
+  }
+  return static_cast<std::int64_t>(whole);
 }
 
 void ConverterParameters::declare(ParameterTable& table) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 
 namespace ring_gyro {
@@ -65,6 +66,23 @@ ParameterTable& ParameterTable::numbers(std::string key, std::vector<double>& ta
   parameters_.push_back(
       {std::move(key), &target, std::move(unit), range, {}, std::move(description), false});
   return *this;
+}
+
+void requireInRange(const ParameterTable& table, const std::string& prefix) {
+  std::string faults;
+  for (const Parameter& parameter : table.parameters()) {
+    const auto* const whole = std::get_if<std::int64_t*>(&parameter.target);
+    const auto* const number = std::get_if<double*>(&parameter.target);
+    if (!whole && !number) continue;
+    const double value = whole ? static_cast<double>(**whole) : **number;
+    if (parameter.range.contains(value)) continue;
+    std::ostringstream fault;
+    fault << (faults.empty() ? "" : "\n") << prefix << parameter.key << " = " << value
+          << ": out of range; allowed: " << parameter.range.text()
+          << (whole ? ", whole" : " [" + parameter.unit + "]");
+    faults += fault.str();
+  }
+  if (!faults.empty()) throw std::invalid_argument(faults);
 }
 
 }  // namespace ring_gyro

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <stdexcept>
-#include <variant>
 
 #include "ring_gyro/common/angle.h"
 
@@ -13,15 +12,7 @@ const InjectorParameters& checked(const InjectorParameters& parameters) {
   InjectorParameters copy = parameters;
   ParameterTable table;
   copy.declare(table);
-  for (const Parameter& parameter : table.parameters()) {
-    if (const auto* number = std::get_if<double*>(&parameter.target)) {
-      if (!parameter.range.contains(**number)) {
-        throw std::invalid_argument("compensation: " + parameter.key + " = " +
-                                    std::to_string(**number) + " must be " +
-                                    parameter.range.text());
-      }
-    }
-  }
+  requireInRange(table, "compensation/");
   return parameters;
 }
 

@@ -12,17 +12,6 @@ constexpr int kMeasuredPasses = 3;  // with the derivatives along the measured e
 constexpr int kMostPasses = 20;
 constexpr double kConverged = 1e-4;  // of a standard deviation
 
-std::size_t wholeBlocks(double period, const ConverterParameters& converter) {
-  const double blocks = period / converter.blockDuration();
-  const double whole = std::round(blocks);
-  if (whole < 1.0 || std::abs(blocks - whole) > 1e-6) {
-    throw std::invalid_argument("extended: update_period = " + std::to_string(period) +
-                                " s must be a whole number of blocks of " +
-                                std::to_string(converter.blockDuration()) + " s");
-  }
-  return static_cast<std::size_t>(whole);
-}
-
 }  // namespace
 
 /// A run of samples without a break, with its initial envelope as four more unknowns.
@@ -46,7 +35,8 @@ BatchLeastSquares::BatchLeastSquares(const ExtendedParameters& parameters,
                                      const ConverterParameters& converter)
     : parameters_(parameters),
       model_(ExtendedState(parameters)),
-      period_blocks_(wholeBlocks(parameters.update_period, converter)),
+      period_blocks_(static_cast<std::size_t>(
+          converter.wholeBlocks(parameters.update_period, "extended/update_period"))),
       block_duration_(converter.blockDuration()),
       sample_variance_(parameters.noise_density * parameters.noise_density / block_duration_),
       chain_(converter.blockDurationNanoseconds()) {}

@@ -32,7 +32,8 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
       ((std::abs(orbit.a) + std::abs(orbit.theta)) +
        (std::abs(orbit.phi) + std::abs(elements.group_delay))) +
       ((std::abs(x_real) + std::abs(x_imaginary)) + (std::abs(y_real) + std::abs(y_imaginary))) +
-      ((std::abs(gains.reference_phase) + gains.reference_frequency) + std::abs(rotation_rate));
+      ((std::abs(gains.reference_phase) + gains.reference_frequency) + std::abs(rotation_rate)) +
+      (std::abs(gains.compensation.gain1) + std::abs(gains.compensation.gain2));
   const bool usable = gains.stamp.session == stamp.session &&
                       gains.stamp.sequence == stamp.sequence && stamp.end_ns > 0 &&
                       stamp.duration_ns == block_duration_ns_ && elements.status.usable() &&

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <variant>
 
 namespace ring_gyro {
 namespace {
@@ -12,27 +10,8 @@ const ExtendedParameters& checked(const ExtendedParameters& parameters) {
   ExtendedParameters copy = parameters;
   ParameterTable table;
   copy.declare(table);
-  for (const Parameter& parameter : table.parameters()) {
-    if (const auto* number = std::get_if<double*>(&parameter.target)) {
-      if (!parameter.range.contains(**number)) {
-        throw std::invalid_argument("extended: " + parameter.key + " = " +
-                                    std::to_string(**number) + " must be " +
-                                    parameter.range.text());
-      }
-    }
-  }
+  requireInRange(table, "extended/");
   return parameters;
-}
-
-std::int64_t wholeBlocks(double period, const ConverterParameters& converter) {
-  const double blocks = period / converter.blockDuration();
-  const double whole = std::round(blocks);
-  if (whole < 1.0 || std::abs(blocks - whole) > 1e-6) {
-    throw std::invalid_argument("extended: update_period = " + std::to_string(period) +
-                                " s must be a whole number of blocks of " +
-                                std::to_string(converter.blockDuration()) + " s");
-  }
-  return static_cast<std::int64_t>(whole);
 }
 
 double square(double x) { return x * x; }
@@ -70,7 +49,7 @@ ExtendedIdentifier::ExtendedIdentifier(const ExtendedParameters& parameters,
                                        const ConverterParameters& converter)
     : parameters_(checked(parameters)),
       state_(parameters),
-      period_blocks_(wholeBlocks(parameters.update_period, converter)),
+      period_blocks_(converter.wholeBlocks(parameters.update_period, "extended/update_period")),
       block_duration_(converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(block_duration_)),
       // Demodulation gives each quadrature the two-sided density N^2; the moving average in it

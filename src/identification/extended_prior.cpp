@@ -6,6 +6,54 @@
 #include "ring_gyro/common/angle.h"
 
 namespace ring_gyro {
+namespace {
+
+/// Of each state: how far it may be from where it starts, and how far it wanders.
+struct Spread {
+  ExtendedVector prior;
+  ExtendedVector walk;
+};
+
+Spread spreadOf(const ExtendedState& state, const ExtendedParameters& p,
+                const ExtendedVector& value) {
+  const ExtendedState::Layout& at = state.layout();
+  Spread spread{ExtendedVector::Zero(state.size()), ExtendedVector::Zero(state.size())};
+  const auto set = [&spread](int first, Eigen::Index count, double prior, double walk) {
+    if (first < 0) return;
+    spread.prior.segment(first, count).setConstant(prior);
+    spread.walk.segment(first, count).setConstant(walk);
+  };
+  const auto setRelative = [&](int index, double prior, double walk) {
+    if (index >= 0) set(index, 1, prior * value[index], walk * value[index]);
+  };
+  // Of gains, then of phases, which do not wander.
+  const auto setMismatch = [&](int first, int count) {
+    if (first < 0) return;
+    set(first, count, p.initial_mismatch_sigma, 0.0);
+    set(first + count, count, p.initial_drive_phase_sigma, 0.0);
+  };
+  set(at.gamma, 2, p.initial_gamma_sigma, p.gamma_walk);
+  set(at.mu, 2, p.initial_mu_sigma, p.mu_walk);
+  setRelative(at.drive_gain, p.initial_drive_gain_sigma, p.drive_gain_walk);
+  setRelative(at.decay_rate, p.initial_quality_sigma, p.quality_walk);
+  // f0 is set from where the phase-locked loop is, which mu moves by half of itself.
+  set(at.frequency, 1, p.initial_mu_sigma * p.natural_frequency, p.frequency_walk);
+  set(at.drive_phase, 1, p.initial_drive_phase_sigma, 0.0);
+  setMismatch(at.mismatch, 2);
+  setMismatch(at.drive_rotation, 1);
+  setMismatch(at.sense_mismatch, 2);
+  set(at.drift_bias, 2, p.initial_drift_sigma, p.drift_walk);
+  set(at.even_harmonics, 2 * static_cast<Eigen::Index>(state.evenOrders().size()),
+      p.initial_drift_sigma, p.drift_walk);
+  set(at.odd_harmonics, 2 * static_cast<Eigen::Index>(state.oddOrders().size()),
+      p.initial_scale_sigma, 0.0);
+  set(at.rotation_scale, 1, p.initial_scale_sigma, 0.0);
+  set(at.pickoff_cubic, 1, p.initial_cubic_sigma, 0.0);
+  set(at.rotation_rate, 1, p.initial_rotation_sigma, p.rotation_walk);
+  return spread;
+}
+
+}  // namespace
 
 void FirstLookSum::add(const Orbit& orbit, const Eigen::Vector2cd& drive,
                        double reference_frequency) {
@@ -42,58 +90,14 @@ ExtendedVector startValue(const ExtendedState& state, const ExtendedParameters& 
   return value;
 }
 
-ExtendedVector priorSigma(const ExtendedState& state, const ExtendedParameters& p,
+ExtendedVector priorSigma(const ExtendedState& state, const ExtendedParameters& parameters,
                           const ExtendedVector& value) {
-  const ExtendedState::Layout& at = state.layout();
-  ExtendedVector sigma = ExtendedVector::Zero(state.size());
-  sigma.segment<2>(at.gamma).setConstant(p.initial_gamma_sigma);
-  sigma.segment<2>(at.mu).setConstant(p.initial_mu_sigma);
-  sigma[at.drive_gain] = p.initial_drive_gain_sigma * value[at.drive_gain];
-  if (at.decay_rate >= 0) sigma[at.decay_rate] = p.initial_quality_sigma * value[at.decay_rate];
-  // f0 is set from where the phase-locked loop is, which mu moves by half of itself.
-  if (at.frequency >= 0) sigma[at.frequency] = p.initial_mu_sigma * p.natural_frequency;
-  if (at.drive_phase >= 0) sigma[at.drive_phase] = p.initial_drive_phase_sigma;
-  if (at.mismatch >= 0) {
-    sigma.segment<2>(at.mismatch).setConstant(p.initial_mismatch_sigma);
-    sigma.segment<2>(at.mismatch + 2).setConstant(p.initial_drive_phase_sigma);
-  }
-  if (at.drive_rotation >= 0) {
-    sigma[at.drive_rotation] = p.initial_mismatch_sigma;
-    sigma[at.drive_rotation + 1] = p.initial_drive_phase_sigma;
-  }
-  if (at.drift_bias >= 0) sigma.segment<2>(at.drift_bias).setConstant(p.initial_drift_sigma);
-  const auto harmonics = [&sigma](int first, std::size_t orders, double value_of_sigma) {
-    if (first < 0) return;
-    sigma.segment(first, 2 * static_cast<Eigen::Index>(orders)).setConstant(value_of_sigma);
-  };
-  harmonics(at.even_harmonics, state.evenOrders().size(), p.initial_drift_sigma);
-  harmonics(at.odd_harmonics, state.oddOrders().size(), p.initial_scale_sigma);
-  if (at.sense_mismatch >= 0) {
-    sigma.segment<2>(at.sense_mismatch).setConstant(p.initial_mismatch_sigma);
-    sigma.segment<2>(at.sense_mismatch + 2).setConstant(p.initial_drive_phase_sigma);
-  }
-  if (at.rotation_scale >= 0) sigma[at.rotation_scale] = p.initial_scale_sigma;
-  if (at.pickoff_cubic >= 0) sigma[at.pickoff_cubic] = p.initial_cubic_sigma;
-  if (at.rotation_rate >= 0) sigma[at.rotation_rate] = p.initial_rotation_sigma;
-  return sigma;
+  return spreadOf(state, parameters, value).prior;
 }
 
-ExtendedVector parameterWalk(const ExtendedState& state, const ExtendedParameters& p,
+ExtendedVector parameterWalk(const ExtendedState& state, const ExtendedParameters& parameters,
                              const ExtendedVector& value) {
-  const ExtendedState::Layout& at = state.layout();
-  ExtendedVector walk = ExtendedVector::Zero(state.size());
-  walk.segment<2>(at.gamma).setConstant(p.gamma_walk);
-  walk.segment<2>(at.mu).setConstant(p.mu_walk);
-  walk[at.drive_gain] = p.drive_gain_walk * value[at.drive_gain];
-  if (at.decay_rate >= 0) walk[at.decay_rate] = p.quality_walk * value[at.decay_rate];
-  if (at.frequency >= 0) walk[at.frequency] = p.frequency_walk;
-  if (at.drift_bias >= 0) walk.segment<2>(at.drift_bias).setConstant(p.drift_walk);
-  if (at.even_harmonics >= 0) {
-    walk.segment(at.even_harmonics, 2 * static_cast<Eigen::Index>(state.evenOrders().size()))
-        .setConstant(p.drift_walk);
-  }
-  if (at.rotation_rate >= 0) walk[at.rotation_rate] = p.rotation_walk;
-  return walk;
+  return spreadOf(state, parameters, value).walk;
 }
 
 }  // namespace ring_gyro

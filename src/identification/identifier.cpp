@@ -4,7 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include <variant>
 
 namespace ring_gyro {
 namespace {
@@ -20,15 +19,7 @@ const IdentificationParameters& checked(const IdentificationParameters& paramete
   IdentificationParameters copy = parameters;
   ParameterTable table;
   copy.declare(table);
-  for (const Parameter& parameter : table.parameters()) {
-    if (const auto* number = std::get_if<double*>(&parameter.target)) {
-      if (!parameter.range.contains(**number)) {
-        throw std::invalid_argument("identification: " + parameter.key + " = " +
-                                    std::to_string(**number) + " must be " +
-                                    parameter.range.text());
-      }
-    }
-  }
+  requireInRange(table, "identification/");
   if (parameters.tuning != "derived" && parameters.tuning != "paper") {
     throw std::invalid_argument("identification: tuning = " + parameters.tuning +
                                 " must be derived or paper");
@@ -38,15 +29,7 @@ const IdentificationParameters& checked(const IdentificationParameters& paramete
 
 std::int64_t periodBlocks(const IdentificationParameters& parameters,
                           const ConverterParameters& converter) {
-  const double blocks = parameters.update_period / converter.blockDuration();
-  const double whole = std::round(blocks);
-  if (whole < 1.0 || std::abs(blocks - whole) > 1e-6) {
-    throw std::invalid_argument(
-        "identification: update_period = " + std::to_string(parameters.update_period) +
-        " s must be a whole number of blocks of " + std::to_string(converter.blockDuration()) +
-        " s");
-  }
-  return static_cast<std::int64_t>(whole);
+  return converter.wholeBlocks(parameters.update_period, "identification/update_period");
 }
 
 double square(double x) { return x * x; }

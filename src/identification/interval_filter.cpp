@@ -10,10 +10,15 @@ namespace {
 
 constexpr int kParameters = FactoredCovariance::kSize;
 
-// Steps whose derivatives are taken at once: so few that the envelope hardly turns meanwhile.
-constexpr int kMostGathered = 4 * static_cast<int>(kLanes);
-
 TwoLanes pairOf(const Eigen::Vector2d& vector) { return TwoLanes{vector[0], vector[1]}; }
+
+/// Of the two components of the drive that bring noise of the angles into a' and b': sum of squares
+/// and product.
+TwoLanes squaresOf(const AxesDynamics<double>& dynamics) {
+  return TwoLanes{dynamics.along_real * dynamics.along_real +
+                      dynamics.across_imaginary * dynamics.across_imaginary,
+                  dynamics.along_real * dynamics.across_imaginary};
+}
 
 TwoLanes product(const FactoredCovariance::Regression& regression,
                  const std::array<double, kParameters>& parameters) {
@@ -55,7 +60,7 @@ void IntervalFilter::restartAxes(const Eigen::Vector2d& axes, double sigma) {
 void IntervalFilter::abandon() {
   axes_ = present().axes;
   elapsed_ = 0.0;
-  samples_ = gathered_steps_ = 0;
+  samples_ = 0;
 }
 
 inline DeviceParameters IntervalFilter::device() const {
@@ -89,14 +94,13 @@ void IntervalFilter::sample(const Eigen::Vector2d& measured) {
 RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::step(const AveragedStep<double>& step,
                                                                  double duration,
                                                                  const Eigen::Vector2d& measured) {
-  if (gathered_steps_ > 0) advance();
-  startGathering(duration);
-  gathered_ = AxesDynamics<double>(model_.decayRate(), model_.angularFrequency(), step);
-  gathered_steps_ = 1;
-  axes_ = AxesRatePairs(gathered_, device()).step(axes_, duration).axes;
-  predicted_sum_ += axes_;
+  if (samples_ == 0) start();
+  const AxesDynamics<double> dynamics(model_.decayRate(), model_.angularFrequency(), step);
+  const TwoLanes end = AxesRatePairs(dynamics, device()).step(axes_, duration).axes;
+  advance(dynamics, squaresOf(dynamics), 1, duration);
+  axes_ = end;
+  predicted_sum_ += end;
   measured_sum_ += pairOf(measured);
-  advance();
 }
 
 RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::steps(
@@ -104,8 +108,13 @@ RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::steps(
     const Lanes& measured_b) {
   const AxesDynamics<Lanes> dynamics(model_.decayRate(), model_.angularFrequency(), steps);
   const AxesTransition<Lanes> each = dynamics.transition(device(), duration);
-  if (gathered_steps_ == 0) startGathering(duration);
-  AxesDynamics<double> gathered = gathered_;
+  const Lanes square = dynamics.along_real * dynamics.along_real +
+                       dynamics.across_imaginary * dynamics.across_imaginary;
+  const Lanes cross = dynamics.along_real * dynamics.across_imaginary;
+  if (samples_ == 0) start();
+  AxesDynamics<double> sum = {};
+  sum.decay = dynamics.decay;
+  double square_sum = 0.0, cross_sum = 0.0;
   double a = axes_[0], b = axes_[1];
   double a_predicted = 0.0, b_predicted = 0.0;
   double a_measured = 0.0, b_measured = 0.0;
@@ -120,14 +129,15 @@ RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::steps(
     b_predicted += b;
     a_measured += measured_a[k];
     b_measured += measured_b[k];
-    gathered.add(dynamics, static_cast<std::size_t>(k));
+    sum.add(dynamics, static_cast<std::size_t>(k));
+    square_sum += square[k];
+    cross_sum += cross[k];
   }
-  gathered_ = gathered;
-  gathered_steps_ += count;
+  const double share = 1.0 / count;
+  advance(sum.times(share), share * TwoLanes{square_sum, cross_sum}, count, duration);
   axes_ = TwoLanes{a, b};
   predicted_sum_ += TwoLanes{a_predicted, b_predicted};
   measured_sum_ += TwoLanes{a_measured, b_measured};
-  if (gathered_steps_ >= kMostGathered) advance();
 }
 
 void IntervalFilter::start() {
@@ -137,39 +147,41 @@ void IntervalFilter::start() {
   predicted_sum_ = measured_sum_ = TwoLanes{};
 }
 
-/// Steps from here on are to be one step of the derivatives.
-void IntervalFilter::startGathering(double duration) {
-  if (samples_ == 0) start();
-  gathered_ = {};
-  gathered_.decay = model_.decayRate();
-  gathered_from_ = axes_;
-  step_duration_ = duration;
+/// What noise in the angles, held for `duration`, is worth as a variance of a rate's integral, per
+/// square of the rate's slope.
+inline double IntervalFilter::angleVariance(const TwoLanes& axes, double duration) const {
+  return duration * noise_.angle_density / (axes[0] * axes[0] + axes[1] * axes[1]);
 }
 
 /// Process noise of a and b in one of the steps of `duration` that `step` is made of.
-inline Square IntervalFilter::stepNoise(const AxesStepPairs& step, double duration) const {
-  const TwoLanes& axes = present().axes;
-  const double angle_variance =
-      duration * noise_.angle_density / (axes[0] * axes[0] + axes[1] * axes[1]);
+inline Square IntervalFilter::stepNoise(const AxesStepPairs& step, const TwoLanes& axes,
+                                        double duration) const {
+  const double angle_variance = angleVariance(axes, duration);
   const double density = duration * noise_.axes_density;
   return angle_variance * (outer(step.rate_by_angles.first, step.rate_by_angles.first) +
                            outer(step.rate_by_angles.second, step.rate_by_angles.second)) +
          diagonal(density, density);
 }
 
-/// Derivatives and noise of the interval after the steps that have been gathered. Within them the
-/// derivatives change in proportion to time, and so does the variance that the steps add.
-RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::advance() {
+/// Derivatives and noise of the interval after `count` steps more from axes_ on, with these means
+/// of their dynamics and of squaresOf() them. Within the steps the derivatives change in proportion
+/// to time.
+RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::advance(
+    const AxesDynamics<double>& mean, const TwoLanes& squares, int count, double duration) {
   const DeviceParameters parameters = device();
-  const double n = gathered_steps_;
-  const AxesDynamics<double> mean = gathered_.over(n);
-  const AxesStepPairs step =
-      AxesRatePairs(mean, parameters).step(gathered_from_, n * step_duration_);
-  const Square noise = stepNoise(step, step_duration_);
+  const double n = count;
+  const AxesStepPairs step = AxesRatePairs(mean, parameters).step(axes_, n * duration);
+  // Loops that follow noise make drives that differ from step to step: the mean of their squares is
+  // more than the square of their mean.
+  const TwoLanes spread = squares - squaresOf(mean);
+  const double angle_variance =
+      angleVariance(axes_, duration) * parameters.drive_gain * parameters.drive_gain;
+  const Square noise = stepNoise(step, axes_, duration) +
+                       angle_variance * Square{TwoLanes{spread[0], -2.0 * spread[1]},
+                                               TwoLanes{-2.0 * spread[1], spread[0]}};
   const Square& transition = step.by_axes;
-  elapsed_ += n * step_duration_;
-  samples_ += gathered_steps_;
-  gathered_steps_ = 0;
+  elapsed_ += n * duration;
+  samples_ += count;
 
   // What the start passes on to the sum of the samples.
   const Square to_sum = 0.5 * (n + 1.0) * transition + diagonal(0.5 * (n - 1.0), 0.5 * (n - 1.0));
@@ -184,16 +196,28 @@ RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::advance() {
 
   const Square start_with_sum = noise_end_ * transposed(to_sum);
   const Square sum_with_sum = to_sum * noise_end_sum_;
-  const double in_end_and_sum = 0.5 * n * (n + 1.0);
-  const double in_sum = in_end_and_sum * (2.0 * n + 1.0) / 3.0;
-  noise_sum_ = noise_sum_ + (sum_with_sum + transposed(sum_with_sum)) + to_sum * start_with_sum +
-               in_sum * noise;
-  noise_end_sum_ = transition * (noise_end_sum_ + start_with_sum) + in_end_and_sum * noise;
-  noise_end_ = transition * (noise_end_ * transposed(transition)) + n * noise;
+  noise_sum_ = noise_sum_ + (sum_with_sum + transposed(sum_with_sum)) + to_sum * start_with_sum;
+  noise_end_sum_ = transition * (noise_end_sum_ + start_with_sum);
+  noise_end_ = transition * (noise_end_ * transposed(transition));
+
+  // Noise of each step goes on to the end and to the samples from its own on: how often, and
+  // through how many steps on the mean, to first order in what they do.
+  const Square per_step = (1.0 / n) * (transition - diagonal(1.0, 1.0));
+  const auto passed = [&](double steps, double other_steps) {
+    return (diagonal(1.0, 1.0) + steps * per_step) * noise *
+           transposed(diagonal(1.0, 1.0) + other_steps * per_step);
+  };
+  const double left = n - 1.0;
+  const double pairs = 0.5 * n * (n + 1.0);
+  const double triples = pairs * (2.0 * n + 1.0) / 3.0;
+  // Sum over m < n of m (m + 1)^2 / 2.
+  const double through = n * left * (3.0 * n * left + 4.0 * (2.0 * n - 1.0) + 6.0) / 24.0;
+  noise_end_ = noise_end_ + n * passed(0.5 * left, 0.5 * left);
+  noise_end_sum_ = noise_end_sum_ + pairs * passed(2.0 / 3.0 * left, 1.0 / 3.0 * left);
+  noise_sum_ = noise_sum_ + triples * passed(through / triples, through / triples);
 }
 
 RING_GYRO_NOT_INLINE const IntervalUpdate& IntervalFilter::update() {
-  if (gathered_steps_ > 0) advance();
   if (samples_ == 0) return update_ = {};
   measureMean(beliefs_[1 - present_]);
   keep(sensitivity_sum_.by_parameters);
@@ -202,7 +226,7 @@ RING_GYRO_NOT_INLINE const IntervalUpdate& IntervalFilter::update() {
 
 RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN const IntervalUpdate& IntervalFilter::stepAndUpdate(
     const AveragedStep<double>& step, double duration, const Eigen::Vector2d& measured) {
-  if (samples_ > 0 || gathered_steps_ > 0) {
+  if (samples_ > 0) {
     this->step(step, duration, measured);
     return update();
   }
@@ -210,7 +234,7 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN const IntervalUpdate& IntervalFilter::s
   const AxesDynamics<double> dynamics(model_.decayRate(), model_.angularFrequency(), step);
   const AxesStepPairs taken = AxesRatePairs(dynamics, parameters).step(axes_, duration);
   elapsed_ = duration;
-  measureStep(taken, stepNoise(taken, duration), pairOf(measured) - taken.axes,
+  measureStep(taken, stepNoise(taken, axes_, duration), pairOf(measured) - taken.axes,
               beliefs_[1 - present_]);
   keep(taken.by_parameters);
   return update_;
@@ -312,7 +336,10 @@ inline void IntervalFilter::keep(const Regression& shown) {
   update_.accepted = std::isfinite(
       (sum[0] + sum[1]) +
       (next.conditional.first[0] + next.conditional.first[1] + next.conditional.second[1]) +
-      (update_.normalised_innovation_squared + next.covariance.sum()));
+      (update_.innovation_covariance.sum() + update_.normalised_innovation_squared +
+       next.covariance.sum()));
+  // Inputs beyond all reason can make noise that no noise is like.
+  update_.accepted &= next.conditional.first[0] >= 0.0 && next.conditional.second[1] >= 0.0;
   if (update_.accepted) {
     if (walks_) walk(next);
     if (memory_time_ > 0.0) forget(shown, next);

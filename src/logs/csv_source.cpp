@@ -12,6 +12,8 @@ namespace ring_gyro {
 namespace {
 
 constexpr std::size_t kLinesToLookAt = 200;
+constexpr char kMendOfCommas[] =
+    "write the file with ';' between the fields, with decimal points or with the numbers in quotes";
 constexpr std::array<char, 5> kDelimiters = {'\t', ';', ',', '|', ' '};
 
 bool isBlank(char c) { return c == ' ' || c == '\t'; }
@@ -43,6 +45,17 @@ std::size_t numericFields(const std::vector<std::string_view>& fields, char deci
   return static_cast<std::size_t>(std::count_if(
       fields.begin(), fields.end(),
       [decimal](std::string_view field) { return parseNumber(field, decimal).has_value(); }));
+}
+
+/// Delimiters are commas, and in no number there is a point or are quotes: each may be two fields,
+/// what stands before its decimal comma and behind.
+bool mayBeSplitAtDecimals(const std::vector<std::string>& lines, std::size_t first_row,
+                          char delimiter) {
+  return delimiter == ',' && std::all_of(lines.begin() + static_cast<std::ptrdiff_t>(first_row),
+                                         lines.end(), [](const std::string& line) {
+                                           return isComment(line) ||
+                                                  line.find_first_of(".\"") == std::string::npos;
+                                         });
 }
 
 /// A row of the table rather than a header: at least half of it are numbers.
@@ -144,6 +157,7 @@ CsvSource::CsvSource(const std::string& path, const CsvDialect& dialect)
         "say how it is written");
   }
   first_line_ = best.first_row + 1;
+  split_at_decimals_ = mayBeSplitAtDecimals(head, best.first_row, dialect_.delimiter);
 
   // The header: the line before the numbers; a line of units between; or the last comment.
   std::vector<std::string> units;
@@ -153,6 +167,13 @@ CsvSource::CsvSource(const std::string& path, const CsvDialect& dialect)
     if (text == std::string::npos) continue;
     std::vector<std::string> texts =
         textsOf(std::string_view(head[k]).substr(text), dialect_.delimiter);
+    if (split_at_decimals_ && 1 < texts.size() && texts.size() < best.fields) {
+      throw LogError(path, "line " + std::to_string(k + 1),
+                     std::to_string(texts.size()) + " names over rows of " +
+                         std::to_string(best.fields) +
+                         " fields: commas are both delimiter and decimal sign",
+                     kMendOfCommas);
+    }
     if (texts.size() != best.fields) break;
     const bool all_units = std::all_of(texts.begin(), texts.end(), [](const std::string& field) {
       const std::string plain = boost::algorithm::trim_copy_if(field, boost::is_any_of("[]() "));
@@ -207,11 +228,9 @@ void CsvSource::failRagged(std::size_t fields) const {
   std::string mend = "mend the line, or leave such rows out with --partial";
   if (lines_.cut()) {
     mend = "the file ends in the middle of it: take what is there with --partial";
-  } else if (dialect_.delimiter == ',' && fields > names_.size()) {
-    mend =
-        "where commas are decimal points too, write the file with another delimiter (';') or in "
-        "quotes; " +
-        mend;
+  } else if (split_at_decimals_ || (dialect_.delimiter == ',' && fields > names_.size())) {
+    mend = std::string("if commas are both delimiter and decimal sign, ") + kMendOfCommas +
+           "; otherwise " + mend;
   }
   throw RowError(RowFault::kRagged, lines_.path(), place(),
                  std::to_string(fields) + " fields where there are " +

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/formatted.h"
 #include "ring_gyro/logs/number_text.h"
 
 namespace ring_gyro {
@@ -148,6 +149,12 @@ double LogImporter::groupDelay() const {
   if (demodulator_) return demodulator_->groupDelay() + options_.group_delay;
   // The mean over a block is valid in its middle.
   return options_.group_delay + 0.5 * static_cast<double>(rows_per_block_ - 1) * clock_->period();
+}
+
+std::string LogImporter::groupDelayText() const {
+  const std::optional<ColumnUse>& use = map_.use(Quantity::kGroupDelay);
+  if (use && use->column) return "from column " + map_.names()[*use->column];
+  return formatted("%.9g s", use ? use->constant : groupDelay());
 }
 
 void LogImporter::checkDelay() const {

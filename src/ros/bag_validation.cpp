@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/formatted.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/pair_merge.h"
 
@@ -21,19 +20,6 @@ constexpr double kLargestTimeOffset = 1.0;    // of the header against bag time 
 constexpr double kLargestDelayBlocks = 31.0;  // what the identifier remembers
 constexpr double kLargestPhase = 2.0 * kPi;   // |phi| beyond is not in rad
 
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-std::string
-format(const char* pattern, ...) {
-  char line[512];
-  std::va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(line, sizeof(line), pattern, arguments);
-  va_end(arguments);
-  return line;
-}
-
 /// How often something was seen, and where first.
 struct Tally {
   std::uint64_t count = 0;
@@ -43,9 +29,9 @@ struct Tally {
     if (count++ == 0) first = where;
   }
   std::string at() const {
-    return format("%llu times, first in block %llu at %.6f s",
-                  static_cast<unsigned long long>(count),
-                  static_cast<unsigned long long>(first.sequence), first.end());
+    return formatted("%llu times, first in block %llu at %.6f s",
+                     static_cast<unsigned long long>(count),
+                     static_cast<unsigned long long>(first.sequence), first.end());
   }
 };
 
@@ -89,8 +75,8 @@ class StampCheck {
     add(Severity::kFault, spacing_,
         "stamps of successive blocks differ by other than the duration");
     add(Severity::kWarning, gaps_,
-        format("%llu blocks missing in gaps",
-               static_cast<unsigned long long>(guard_.counts().lost)));
+        formatted("%llu blocks missing in gaps",
+                  static_cast<unsigned long long>(guard_.counts().lost)));
     add(Severity::kWarning, duplicates_, "the same block again");
     add(Severity::kWarning, sessions_, "a new session of the plant");
     add(Severity::kWarning, offset_, "header and bag time differ by more than 1 s");
@@ -150,7 +136,7 @@ class MotionCheck {
       if (what.count > 0) fault(text + " " + what.at());
     };
     tally(not_finite_, "numbers that are not finite");
-    tally(too_large_, format("a above %g V, is it in mV, nm or counts?", kLargestAmplitude));
+    tally(too_large_, formatted("a above %g V, is it in mV, nm or counts?", kLargestAmplitude));
     tally(phase_, "|phi| above 2 pi, is it in degrees?");
     tally(no_duration_, "blocks without a duration");
     tally(delay_, "a group delay that is negative or above 31 blocks");
@@ -164,8 +150,8 @@ class MotionCheck {
       return;
     }
     if (theta_.width() < kLeastAngle) {
-      fault(
-          format("theta covers %.1e rad: steer the pattern or turn the gyroscope", theta_.width()));
+      fault(formatted("theta covers %.1e rad: steer the pattern or turn the gyroscope",
+                      theta_.width()));
     }
     if (beta_given_ && beta_sum_ < 0.0) {
       fault("beta has the wrong sign: a sustaining gain is positive (drive along the velocity)");
@@ -219,7 +205,7 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   merge.flush();
 
   BagValidation result;
-  result.summary = format(
+  result.summary = formatted(
       "%llu orbital elements on %s, %llu control gains on %s, %llu pairs of "
       "which %llu are locked, %.3f turns of theta",
       static_cast<unsigned long long>(elements_stamps.accepted()), bag.elementsTopic().c_str(),

@@ -6,14 +6,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ring_gyro/common/whole_file.h"
+
 namespace ring_gyro {
 
 BagWriter::BagWriter(std::string path) : path_(std::move(path)), active_path_(path_ + ".active") {
   try {
     bag_.open(active_path_, rosbag::bagmode::Write);
   } catch (const rosbag::BagException&) {
-    throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno) +
-                             "; name a file in a folder that exists and may be written to");
+    throw std::runtime_error(writeFault(path_, errno));
   }
   bag_.setCompression(rosbag::compression::LZ4);
 }

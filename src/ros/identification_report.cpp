@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 #include <variant>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/formatted.h"
 #include "ring_gyro/configuration/parameter_text.h"
 
 namespace ring_gyro {
@@ -27,19 +26,6 @@ struct State {
 };
 constexpr State kStates[] = {{"a", "V"},   {"b", "V"},   {"gamma1", "1"}, {"gamma2", "1"},
                              {"mu1", "1"}, {"mu2", "1"}, {"ks", "1/s^2"}};
-
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-std::string
-format(const char* pattern, ...) {
-  char line[512];
-  std::va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(line, sizeof(line), pattern, arguments);
-  va_end(arguments);
-  return line;
-}
 
 std::string number(std::uint64_t value) { return std::to_string(value); }
 
@@ -86,7 +72,7 @@ std::string noneUsable(const IdentificationReport& report, const LoopConfigurati
   std::string line = "none of " + number(unusableTotal(unusable)) +
                      " blocks can be used: " + unusableText(unusable) + "; ";
   if (unusable.wrong_duration > 0) {
-    line += format(
+    line += formatted(
         "blocks last %g s, the configuration says %g s: set converter/sample_rate and "
         "converter/block_samples",
         1e-9 * static_cast<double>(report.wrong_duration_ns),
@@ -171,11 +157,11 @@ std::string consistencyText(const char* name, std::uint64_t updates, double sum)
   if (updates == 0) return "";
   const NisBounds bounds = nisBounds(updates);
   const double mean = sum / static_cast<double>(updates);
-  return format("  %-12s mean NIS %.3f of %llu updates, 95 %% bounds [%.3f, %.3f]: %s\n", name,
-                mean, static_cast<unsigned long long>(updates), bounds.lower, bounds.upper,
-                mean < bounds.lower   ? "less noise than assumed"
-                : mean > bounds.upper ? "more noise than assumed, or not this model"
-                                      : "consistent");
+  return formatted("  %-12s mean NIS %.3f of %llu updates, 95 %% bounds [%.3f, %.3f]: %s\n", name,
+                   mean, static_cast<unsigned long long>(updates), bounds.lower, bounds.upper,
+                   mean < bounds.lower   ? "less noise than assumed"
+                   : mean > bounds.upper ? "more noise than assumed, or not this model"
+                                         : "consistent");
 }
 
 Json resultJson(const IdentificationResult& result, const LoopConfiguration& configuration,
@@ -222,8 +208,8 @@ Json resultJson(const IdentificationResult& result, const LoopConfiguration& con
 
 void addParameters(std::string& text, const ParameterEstimate& estimate) {
   for (int i = kGamma1; i <= kDriveGain; ++i) {
-    text += format("  %-12s % 15.8e +- %.1e  %s\n", kStates[i].name, estimate.value[i],
-                   estimate.sigma(static_cast<StateIndex>(i)), kStates[i].unit);
+    text += formatted("  %-12s % 15.8e +- %.1e  %s\n", kStates[i].name, estimate.value[i],
+                      estimate.sigma(static_cast<StateIndex>(i)), kStates[i].unit);
   }
 }
 
@@ -244,13 +230,13 @@ std::string failureOf(const IdentificationReport& report, const LoopConfiguratio
   }
   if (report.usable == 0) return noneUsable(report, configuration);
   if (report.updates == 0) {
-    return format(
+    return formatted(
         "no two whole periods of %g s with usable blocks only: record for longer, or set "
         "a shorter identification/update_period",
         configuration.identification.update_period);
   }
   if (report.estimate->angle_covered < kConstantAngle) {
-    return format(
+    return formatted(
         "theta stands still (%.1e rad covered), so nothing tells the parameters apart: "
         "steer the pattern or turn the gyroscope while recording",
         report.estimate->angle_covered);
@@ -286,9 +272,9 @@ std::vector<std::string> faultsOf(const IdentificationReport& report,
     const double configured = configuration.device.natural_frequency;
     if (!(std::abs(frequency - configured) < kFrequencyTolerance * configured)) {
       faults.push_back(
-          format("the reference ran at %.6g Hz, device/natural_frequency is %.6g Hz: "
-                 "is it the configuration of this device?",
-                 frequency, configured));
+          formatted("the reference ran at %.6g Hz, device/natural_frequency is %.6g Hz: "
+                    "is it the configuration of this device?",
+                    frequency, configured));
     }
   }
   return faults;
@@ -304,20 +290,20 @@ std::string identificationText(const IdentificationResult& result,
   const ParameterEstimate& estimate = *report.estimate;
   addParameters(text, estimate);
   text += report.convergence_time
-              ? format("  %-12s after %.1f s\n", "converged", *report.convergence_time)
-              : format("  %-12s not within the data\n", "converged");
-  text += format("  %-12s %.3f s in session %u, sequence %llu to %llu, %.2f turns of theta\n",
-                 "data", report.last.end() - report.first.end() + report.first.duration(),
-                 report.last.session, static_cast<unsigned long long>(report.first.sequence),
-                 static_cast<unsigned long long>(report.last.sequence),
-                 estimate.angle_covered / kTwoPi);
-  text += format("  %-12s %llu used, %llu dropped, %llu in gaps, %llu out of order\n", "blocks",
-                 static_cast<unsigned long long>(estimate.used_blocks),
-                 static_cast<unsigned long long>(estimate.rejected_blocks),
-                 static_cast<unsigned long long>(estimate.lost_blocks),
-                 static_cast<unsigned long long>(report.elements.steps_back));
+              ? formatted("  %-12s after %.1f s\n", "converged", *report.convergence_time)
+              : formatted("  %-12s not within the data\n", "converged");
+  text += formatted("  %-12s %.3f s in session %u, sequence %llu to %llu, %.2f turns of theta\n",
+                    "data", report.last.end() - report.first.end() + report.first.duration(),
+                    report.last.session, static_cast<unsigned long long>(report.first.sequence),
+                    static_cast<unsigned long long>(report.last.sequence),
+                    estimate.angle_covered / kTwoPi);
+  text += formatted("  %-12s %llu used, %llu dropped, %llu in gaps, %llu out of order\n", "blocks",
+                    static_cast<unsigned long long>(estimate.used_blocks),
+                    static_cast<unsigned long long>(estimate.rejected_blocks),
+                    static_cast<unsigned long long>(estimate.lost_blocks),
+                    static_cast<unsigned long long>(report.elements.steps_back));
   const std::string unusable = unusableText(report.unusable);
-  if (!unusable.empty()) text += format("  %-12s %s\n", "unusable", unusable.c_str());
+  if (!unusable.empty()) text += formatted("  %-12s %s\n", "unusable", unusable.c_str());
   text += consistencyText("filter", report.updates, report.nis_sum);
   text += consistencyText("  converged", report.updates_converged, report.nis_sum_converged);
   return text;

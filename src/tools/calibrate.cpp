@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "command_line.h"
 #include "configuration_options.h"
 #include "harmonics_json.h"
 #include "progress_bar.h"
@@ -93,17 +94,13 @@ int main(int argc, char** argv) {
     description.add_options()("help,h", "this text")("output,o", options::value(&output_file),
                                                      "YAML of the calibration")(
         "json", options::value(&json_file), "file for what was measured, in SI units");
-    options::variables_map values;
-    options::store(options::parse_command_line(argc, argv, description), values);
-    options::notify(values);
+    const options::variables_map values = parseCommandLine(argc, argv, description);
     if (values.count("help") != 0) {
       std::cout << "usage: calibrate --config FILE --output CALIBRATION.yaml\n" << description;
       return EXIT_SUCCESS;
     }
     const LoopConfiguration configuration = configuration_options.read();
-    for (const std::string& file : {output_file, json_file}) {
-      if (!file.empty()) requireWritable(file);
-    }
+    for (const std::string& file : {output_file, json_file}) requireWritable(file);
     const CalibrationResult result = calibrate(configuration);
     std::printf("\n%s", calibrationText(result).c_str());
     if (!json_file.empty()) writeWholeFile(json_file, jsonOf(result).dump(1) + "\n");

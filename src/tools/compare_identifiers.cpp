@@ -2,7 +2,6 @@
 // package, from good and from bad first guesses.
 
 #include <console_bridge/console.h>
-#include <ros/package.h>
 
 #include <algorithm>
 #include <array>
@@ -18,8 +17,9 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
+#include "device_options.h"
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/identification/batch_least_squares.h"
 #include "ring_gyro/identification/extended_identifier.h"
 #include "ring_gyro/identification/identifier.h"
@@ -42,49 +42,25 @@ constexpr char kNotes[] =
 
 struct Arguments {
   std::vector<std::string> bags;
-  std::string configuration_file;
-  std::vector<std::string> overrides;
+  DeviceOptions device;
   double duration = 0.0;
 };
 
 /// Nothing when the program has already said what was asked (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
-  std::string preset;
   options::options_description description("compare_identifiers");
+  arguments.device.addTo(description);
   description.add_options()("help,h", "this text")("bag", options::value(&arguments.bags),
                                                    "recorded runs (or just their names)")(
-      "config,c", options::value(&arguments.configuration_file),
-      "YAML file: the sections converter, device, identification and extended are used")(
-      "preset", options::value(&preset), "config/NAME.yaml of this package, instead of --config")(
-      "set", options::value(&arguments.overrides)->composing(),
-      "section/key=value, in place of what the file says; may be repeated")(
       "duration", options::value(&arguments.duration), "of what is used; 0: all [s]");
-  options::positional_options_description positions;
-  positions.add("bag", -1);
-  options::variables_map values;
-  options::store(
-      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
-      values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description, "bag");
   if (values.count("help") != 0) {
     std::cout << "usage: compare_identifiers RUN.bag [MORE.bag ...] --config FILE | --preset NAME\n"
               << description << kNotes;
     return std::nullopt;
   }
   if (arguments.bags.empty()) throw options::error("no bag given; see compare_identifiers --help");
-  if (preset.empty() == arguments.configuration_file.empty()) {
-    throw options::error("give either --config FILE or --preset NAME");
-  }
-  if (!preset.empty()) {
-    const std::string package = ros::package::getPath("ring_gyro");
-    if (package.empty()) {
-      throw options::error(
-          "--preset: the package is not found; source its setup.bash, or give the "
-          "file with --config");
-    }
-    arguments.configuration_file = package + "/config/" + preset + ".yaml";
-  }
   if (!(arguments.duration >= 0.0)) throw options::error("--duration must be at least 0 s");
   return arguments;
 }
@@ -299,8 +275,7 @@ std::vector<Row> summarise(const std::vector<std::vector<Row>>& runs) {
 }
 
 int run(const Arguments& arguments) {
-  const LoopConfiguration configuration =
-      readConfigurationFile(arguments.configuration_file, arguments.overrides);
+  const LoopConfiguration configuration = arguments.device.read();
   std::vector<std::vector<Row>> runs;
   bool failed = false;
   for (const std::string& path : arguments.bags) {

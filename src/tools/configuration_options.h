@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace ring_gyro {
@@ -16,18 +15,14 @@ class ConfigurationOptions {
  public:
   void addTo(boost::program_options::options_description& description);
 
-  /// To be called when the options have been parsed. Throws ConfigurationError, or
-  /// boost::program_options::error when --config is missing.
-  LoopConfiguration read() const;
+  /// To be called when the options have been parsed; `more_overrides` go before --seed. Throws
+  /// ConfigurationError, or boost::program_options::error when --config is missing.
+  LoopConfiguration read(const std::vector<std::string>& more_overrides = {}) const;
 
  private:
   std::vector<std::string> files_;
   std::string seed_;
   std::vector<std::string> overrides_;
 };
-
-/// Options of the command line that a table declares, its keys being their names. Throws
-/// std::invalid_argument with a line for each number that is not in its range.
-void requireInRange(const ParameterTable& table);
 
 }  // namespace ring_gyro

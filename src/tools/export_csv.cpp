@@ -4,10 +4,8 @@
 #include <rosbag/view.h>
 
 #include <boost/program_options.hpp>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <iostream>
 #include <map>
@@ -16,17 +14,17 @@
 #include <stdexcept>
 #include <string>
 
+#include "bag_message.h"
+#include "command_line.h"
 #include "progress_bar.h"
+#include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/logs/log_table.h"
-#include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/pair_merge.h"
 
 namespace ring_gyro {
 namespace {
 
 namespace options = boost::program_options;
-
-constexpr std::size_t kBuffer = std::size_t{1} << 20;  // bytes
 
 struct Arguments {
   std::string bag_file;
@@ -40,13 +38,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   description.add_options()("help,h", "this text")("bag", options::value(&arguments.bag_file),
                                                    "recorded run (or the only argument)")(
       "output,o", options::value(&arguments.log_file), "table to write");
-  options::positional_options_description positions;
-  positions.add("bag", 1);
-  options::variables_map values;
-  options::store(
-      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
-      values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description, "bag", 1);
   if (values.count("help") != 0) {
     std::cout << "usage: export_csv BAG --output LOG.csv\n" << description;
     return std::nullopt;
@@ -58,60 +50,6 @@ std::optional<Arguments> parse(int argc, char** argv) {
     throw options::error("--output LOG.csv is missing; see export_csv --help");
   }
   return arguments;
-}
-
-/// A text file of any size that is there whole or not at all.
-class WholeText {
- public:
-  explicit WholeText(const std::string& path)
-      : path_(path), temporary_(path + ".part"), file_(std::fopen(temporary_.c_str(), "wb")) {
-    if (!file_) fail();
-  }
-  ~WholeText() {
-    if (!file_) return;
-    std::fclose(file_);
-    std::remove(temporary_.c_str());
-  }
-  WholeText(const WholeText&) = delete;
-  WholeText& operator=(const WholeText&) = delete;
-
-  std::string& text() { return text_; }
-  void writeWhenFull() {
-    if (text_.size() >= kBuffer) write();
-  }
-  void finish() {
-    write();
-    std::FILE* const file = std::exchange(file_, nullptr);
-    if (std::fclose(file) != 0 || std::rename(temporary_.c_str(), path_.c_str()) != 0) fail();
-  }
-
- private:
-  [[noreturn]] void fail() const {
-    const std::string reason = std::strerror(errno);
-    std::remove(temporary_.c_str());
-    throw std::runtime_error(path_ + ": cannot be written: " + reason);
-  }
-  void write() {
-    if (std::fwrite(text_.data(), 1, text_.size(), file_) != text_.size()) fail();
-    text_.clear();
-  }
-
-  std::string path_;
-  std::string temporary_;
-  std::FILE* file_;
-  std::string text_;
-};
-
-template <typename Message, typename Signal>
-void add(const rosbag::MessageInstance& instance, Signal& signal, PairMerge& merge) {
-  if (instance.getDataType() != ros::message_traits::datatype<Message>()) return;
-  const auto message = instance.instantiate<Message>();
-  if (!message) {
-    throw std::runtime_error(instance.getTopic() + ": " + instance.getDataType() +
-                             " of another version of this package");
-  }
-  fromMessage(*message, signal);
-  merge.add(signal);
 }
 
 void requireTopics(rosbag::View& view) {
@@ -134,8 +72,9 @@ void exportBag(const Arguments& arguments) {
   rosbag::View view(bag, rosbag::TypeQuery(std::vector<std::string>{"ring_gyro/OrbitalElements",
                                                                     "ring_gyro/ControlGains"}));
   requireTopics(view);
-  WholeText out(arguments.log_file);
-  out.text() += logHeader();
+  WholeFile out(arguments.log_file);
+  out.write(logHeader());
+  std::string row;
   std::optional<std::uint32_t> session;
   std::uint64_t rows = 0;
   PairMerge merge([&](const OrbitalElements& elements, const ControlGains& gains) {
@@ -144,8 +83,9 @@ void exportBag(const Arguments& arguments) {
       throw std::runtime_error("holds several sessions; split it with rosbag filter");
     }
     session = elements.stamp.session;
-    appendLogRow(elements, gains, out.text());
-    out.writeWhenFull();
+    row.clear();
+    appendLogRow(elements, gains, row);
+    out.write(row);
     ++rows;
   });
   ProgressBar progress(static_cast<double>(view.size()), "messages");
@@ -153,8 +93,8 @@ void exportBag(const Arguments& arguments) {
   ControlGains gains;
   double messages = 0.0;
   for (const rosbag::MessageInstance& instance : view) {
-    add<ring_gyro_msgs::OrbitalElements>(instance, elements, merge);
-    add<ring_gyro_msgs::ControlGains>(instance, gains, merge);
+    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements)) merge.add(elements);
+    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains)) merge.add(gains);
     progress.show(messages += 1.0);
   }
   merge.flush();

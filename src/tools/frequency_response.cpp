@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "configuration_options.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
@@ -45,9 +46,7 @@ bool parse(int argc, char** argv, Arguments& arguments) {
       "output,o", options::value(&arguments.device_file),
       "YAML with the section `device` that the identifier reads")(
       "csv", options::value(&arguments.csv_file), "the measured responses");
-  options::variables_map values;
-  options::store(options::parse_command_line(argc, argv, description), values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description);
   if (values.count("help") == 0) return true;
   std::cout << "usage: frequency_response --config FILE [--output DEVICE.yaml] [--csv FILE]\n"
             << description;
@@ -114,7 +113,8 @@ void run(Arguments& arguments) {
   }
   ParameterTable table;
   sweep.declare(table);
-  requireInRange(table);
+  requireInRange(table, "--");
+  for (const std::string& file : {arguments.device_file, arguments.csv_file}) requireWritable(file);
   const double total = 2.0 * static_cast<double>(sweep.points) * (sweep.settling + sweep.averaging);
   ProgressBar progress(total);
   const auto seed = static_cast<std::uint64_t>(configuration.run.seed);

@@ -1,8 +1,6 @@
 // rosrun ring_gyro identify: from recorded runs to parameters with their uncertainties.
 
 #include <console_bridge/console.h>
-#include <ros/package.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -20,9 +18,10 @@
 #include <thread>
 #include <vector>
 
+#include "command_line.h"
+#include "device_options.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/whole_file.h"
-#include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/identification/extended_identifier.h"
 #include "ring_gyro/ros/bag_identification.h"
 #include "ring_gyro/ros/bag_writer.h"
@@ -44,8 +43,7 @@ constexpr char kExitText[] =
 
 struct Arguments {
   std::vector<std::string> bags;
-  std::vector<std::string> configuration_files;
-  std::vector<std::string> overrides;
+  DeviceOptions device;
   std::string json_file;
   std::string estimates_file;
   bool as_one_run = false;
@@ -62,16 +60,11 @@ struct Outcome {
 /// Nothing when the program has already said what was asked (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
-  std::string preset;
   double duration = 0.0;
   options::options_description description("identify");
+  arguments.device.addTo(description);
   description.add_options()("help,h", "this text")("bag", options::value(&arguments.bags),
                                                    "recorded runs (or just their names)")(
-      "config,c", options::value(&arguments.configuration_files)->composing(),
-      "YAML file: the sections converter, device, identification and extended are used")(
-      "preset", options::value(&preset), "config/NAME.yaml of this package, instead of --config")(
-      "set", options::value(&arguments.overrides)->composing(),
-      "section/key=value, in place of what the file says; may be repeated")(
       "json", options::value(&arguments.json_file), "file for the results, SI units")(
       "estimates", options::value(&arguments.estimates_file),
       "bag for every estimate on the way, as the node publishes them")(
@@ -88,41 +81,13 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "topic of the orbital elements, when there are several")(
       "gains", options::value(&arguments.identification.topics.gains),
       "topic of the control gains, when there are several");
-  options::positional_options_description positions;
-  positions.add("bag", -1);
-  options::variables_map values;
-  options::store(
-      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
-      values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description, "bag");
   if (values.count("help") != 0) {
     std::cout << "usage: identify RUN.bag [MORE.bag ...] --config FILE | --preset NAME\n"
               << description << kExitText;
     return std::nullopt;
   }
   if (arguments.bags.empty()) throw options::error("no bag given; see identify --help");
-  if (!preset.empty() && !arguments.configuration_files.empty()) {
-    throw options::error("--config and --preset exclude each other; give one");
-  }
-  if (!preset.empty()) {
-    const std::string package = ros::package::getPath("ring_gyro");
-    if (package.empty()) {
-      throw options::error(
-          "--preset: the package is not found; source its setup.bash, or give the "
-          "file with --config");
-    }
-    const std::string file = package + "/config/" + preset + ".yaml";
-    arguments.configuration_files = {file};
-    if (access(file.c_str(), R_OK) != 0) {
-      throw options::error("no preset " + preset + "; presets are the files of " + package +
-                           "/config without .yaml");
-    }
-  }
-  if (arguments.configuration_files.empty()) {
-    throw options::error(
-        "f0, Q and the block length of the device are not in a bag; add --config FILE or --preset "
-        "NAME, such as --preset paper_experiment");
-  }
   if (!(arguments.identification.start >= 0.0))
     throw options::error("--start must be at least 0 s");
   if (values.count("duration") != 0) {
@@ -327,8 +292,8 @@ int main(int argc, char** argv) {
   try {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;
-    const LoopConfiguration configuration =
-        readConfigurationFiles(arguments->configuration_files, arguments->overrides);
+    const LoopConfiguration configuration = arguments->device.read();
+    requireWritable(arguments->json_file);
     Identification identification(*arguments, configuration);
     return report(identification.run(), *arguments, configuration);
   } catch (const std::exception& error) {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/logs/log_importer.h"
@@ -89,7 +90,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "middle of the time in which the drive acted [s]")(
       "phi-offset", text(), "to add to phi so that it is locked at -90 deg, such as -90deg [rad]")(
       "mirror", options::bool_switch(&import.mirror), "the lab's theta grows from x to -y")(
-      "average", options::value(&import.average), "rows in a block; otherwise about 1 ms of them")(
+      "average", options::value(&import.average)->default_value(import.average),
+      "rows in a block; 0: as many as make about 1 ms")(
       "minimum-amplitude", text(),
       "of the major axis, for a block to be used; otherwise 0.9 of the median over the first rows "
       "[V]")("attenuation", options::value(&import.stopband_attenuation),
@@ -97,13 +99,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "session", options::value(&import.session), "number of the run in the bag")(
       "partial", options::bool_switch(&import.partial),
       "leave out rows that cannot be used, and count them");
-  options::positional_options_description positions;
-  positions.add("log", 1);
-  options::variables_map values;
-  options::store(
-      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
-      values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description, "log", 1);
   if (values.count("help") != 0) {
     std::string names;
     for (const QuantityInfo& info : quantities()) names += std::string(" ") + info.name;
@@ -137,7 +133,9 @@ std::optional<Arguments> parse(int argc, char** argv) {
   import.group_delay = quantity("group-delay", Dimension::kTime).value_or(0.0);
   import.phi_offset = quantity("phi-offset", Dimension::kAngle).value_or(0.0);
   import.minimum_amplitude = quantity("minimum-amplitude", Dimension::kVoltage);
-  if (import.average < 0) throw options::error("--average must be at least 1");
+  if (import.average < 0) {
+    throw options::error("--average must be a number of rows, or 0: as many as make about 1 ms");
+  }
   if (arguments.log_file.empty()) {
     throw options::error("the log is missing; see import_csv --help");
   }
@@ -252,10 +250,10 @@ void run(const Arguments& arguments) {
               map.table({importer.firstRow().data(),
                          importer.firstRow().data() + importer.firstRow().size()})
                   .c_str());
-  std::printf("rows       every %.9g s, %ld in a block of %.9g s, group delay %.9g s\n",
+  std::printf("rows       every %.9g s, %ld in a block of %.9g s, group delay %s\n",
               importer.rowPeriod(), static_cast<long>(importer.rowsPerBlock()),
               1e-9 * static_cast<double>(importer.blockDurationNanoseconds()),
-              importer.groupDelay());
+              importer.groupDelayText().c_str());
   std::fflush(stdout);
   if (arguments.dry_run) return;
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "command_line.h"
 #include "configuration_options.h"
 #include "harmonics_json.h"
 #include "progress_bar.h"
@@ -112,15 +113,15 @@ int main(int argc, char** argv) {
         "json", options::value(&json_file), "file for the same in SI units")(
         "each-switch", options::bool_switch(&each_switch),
         "also with each part of the calibration switched off");
-    options::variables_map values;
-    options::store(options::parse_command_line(argc, argv, description), values);
-    options::notify(values);
+    const options::variables_map values = parseCommandLine(argc, argv, description);
     if (values.count("help") != 0) {
       std::cout << "usage: judge_calibration --config FILE --config CALIBRATION [--each-switch]\n"
                 << description;
       return EXIT_SUCCESS;
     }
-    const nlohmann::json rows = judge(configuration_options.read(), time, each_switch);
+    const LoopConfiguration configuration = configuration_options.read();
+    requireWritable(json_file);
+    const nlohmann::json rows = judge(configuration, time, each_switch);
     if (!json_file.empty()) writeWholeFile(json_file, rows.dump(1) + "\n");
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -22,6 +22,7 @@
 #include <thread>
 #include <vector>
 
+#include "command_line.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_reader.h"
@@ -78,9 +79,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "merge", options::value(&arguments.merge)->multitoken(),
       "instead of running: joins these files by index, without duplicates, into --output if given, "
       "and prints the statistics");
-  options::variables_map values;
-  options::store(options::parse_command_line(argc, argv, description), values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description);
   if (values.count("help") != 0) {
     std::cout << "usage: monte_carlo --config FILE --count N --output FILE [--shard K/N] "
                  "[--resume]\n       monte_carlo --merge FILE ... [--output FILE]\n"
@@ -244,9 +243,7 @@ class LineFile {
   }
 
  private:
-  [[noreturn]] void fail() const {
-    throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno));
-  }
+  [[noreturn]] void fail() const { throw std::runtime_error(writeFault(path_, errno)); }
 
   std::string path_;
   int file_;

@@ -2,53 +2,43 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/formatted.h"
 
 namespace ring_gyro {
 namespace {
 
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
-void print(std::string& text, const char* format, ...) {
-  char line[512];
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(line, sizeof(line), format, arguments);
-  va_end(arguments);
-  text += line;
-}
-
 void printIdentification(std::string& text, const char* title,
                          const std::optional<IdentificationResult>& result) {
   if (!result) {
-    print(text, "%s: no estimate\n", title);
+    text += formatted("%s: no estimate\n", title);
     return;
   }
-  print(text, "%s, at %.1f s: %.1f s of data, %s\n", title, result->time, result->used_time,
-        result->converged ? "converged" : "not converged");
-  print(text, "  %-12s %15s %15s %11s %11s\n", "parameter", "truth", "estimate", "sigma", "error");
+  text += formatted("%s, at %.1f s: %.1f s of data, %s\n", title, result->time, result->used_time,
+                    result->converged ? "converged" : "not converged");
+  text += formatted("  %-12s %15s %15s %11s %11s\n", "parameter", "truth", "estimate", "sigma",
+                    "error");
   for (const ParameterResult& p : result->parameters) {
     const double scale = p.relative ? std::abs(p.truth) : 1.0;
-    print(text, "  %-12s % 15.7e % 15.7e %11.1e % 11.1e%s\n", p.name.c_str(), p.truth, p.estimate,
-          p.sigma / scale, p.error() / scale, p.relative ? " (relative)" : "");
+    text +=
+        formatted("  %-12s % 15.7e % 15.7e %11.1e % 11.1e%s\n", p.name.c_str(), p.truth, p.estimate,
+                  p.sigma / scale, p.error() / scale, p.relative ? " (relative)" : "");
   }
 }
 
 using DriftValue = double (*)(const DriftResult&);
 
-void printDriftRow(std::string& text, const char* name, const char* format,
+void printDriftRow(std::string& text, const char* name, const char* pattern,
                    const RunSummary& summary, DriftValue value) {
-  print(text, "  %-38s", name);
+  text += formatted("  %-38s", name);
   for (const DriftResult* drift : {&summary.before, &summary.after}) {
     char cell[32] = "-";
-    if (drift->harmonics) std::snprintf(cell, sizeof(cell), format, value(*drift));
-    print(text, " %13s", cell);
+    if (drift->harmonics) std::snprintf(cell, sizeof(cell), pattern, value(*drift));
+    text += formatted(" %13s", cell);
   }
   text += "\n";
 }
@@ -59,7 +49,7 @@ double amplitudeInDegrees(const DriftResult& drift) {
 }
 
 void printDriftTable(std::string& text, const RunRecord& record, const RunSummary& summary) {
-  print(text, "sensed rate against pattern angle%5s %13s %13s\n", "", "before", "after");
+  text += formatted("sensed rate against pattern angle%5s %13s %13s\n", "", "before", "after");
   const auto row = [&](const char* name, const char* format, DriftValue value) {
     printDriftRow(text, name, format, summary, value);
   };
@@ -91,7 +81,7 @@ void printDrift(std::string& text, const RunRecord& record, const RunSummary& su
   for (const auto& [name, drift] :
        {std::pair{"before", &summary.before}, std::pair{"after", &summary.after}}) {
     if (!drift->harmonics)
-      print(text, "no drift %s compensation: %s\n", name, drift->missing.c_str());
+      text += formatted("no drift %s compensation: %s\n", name, drift->missing.c_str());
   }
 }
 
@@ -138,29 +128,30 @@ Json jsonOf(const DriftResult& drift) {
 
 std::string summaryText(const RunRecord& record, const RunSummary& summary) {
   std::string text;
-  print(text, "run: %.3f s, %zu blocks, %zu missing, %zu unlocked after the first lock\n",
-        summary.duration, record.blocks().size(), summary.missing_blocks, summary.unlocked_blocks);
+  text += formatted("run: %.3f s, %zu blocks, %zu missing, %zu unlocked after the first lock\n",
+                    summary.duration, record.blocks().size(), summary.missing_blocks,
+                    summary.unlocked_blocks);
   if (summary.ring_up_time) {
-    print(text, "ring-up: all loops locked after %.3f s\n", *summary.ring_up_time);
+    text += formatted("ring-up: all loops locked after %.3f s\n", *summary.ring_up_time);
   } else {
-    print(text, "ring-up: the loops never locked\n");
+    text += "ring-up: the loops never locked\n";
   }
   if (const auto& errors = summary.loop_errors) {
-    print(text,
-          "loops: largest errors of the true motion from %.3f s to the end: "
-          "phase %.4f deg, |b|/a %.2e, a %.2e relative\n",
-          errors->from_time, toDegrees(errors->phase), errors->quadrature, errors->amplitude);
+    text += formatted(
+        "loops: largest errors of the true motion from %.3f s to the end: "
+        "phase %.4f deg, |b|/a %.2e, a %.2e relative\n",
+        errors->from_time, toDegrees(errors->phase), errors->quadrature, errors->amplitude);
   }
   text += "\n";
   if (const auto& consistency = summary.consistency) {
-    print(text,
-          "filter: normalised innovation squared %.3f in the mean of %zu updates (2 +- %.3f "
-          "expected), %.1f %% below %.2f\n",
-          consistency->mean, consistency->updates, consistency->meanTolerance(),
-          100.0 * consistency->share_inside, FilterConsistency::kBound);
+    text += formatted(
+        "filter: normalised innovation squared %.3f in the mean of %zu updates (2 +- %.3f "
+        "expected), %.1f %% below %.2f\n",
+        consistency->mean, consistency->updates, consistency->meanTolerance(),
+        100.0 * consistency->share_inside, FilterConsistency::kBound);
   }
   if (summary.converged_time) {
-    print(text, "filter: converged from %.1f s on\n", *summary.converged_time);
+    text += formatted("filter: converged from %.1f s on\n", *summary.converged_time);
   }
   if (!summary.before_compensation || !summary.final_estimate ||
       summary.before_compensation->time != summary.final_estimate->time) {

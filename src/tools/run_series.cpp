@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <vector>
@@ -208,7 +207,7 @@ std::string ratesCsv(const RunSummary& summary) {
 
 void writeSeries(const RunRecord& record, const RunSummary& summary, const std::string& directory) {
   if (mkdir(directory.c_str(), 0777) != 0 && errno != EEXIST) {
-    throw std::runtime_error(directory + ": cannot be made: " + std::strerror(errno));
+    throw std::runtime_error(writeFault(directory, errno));
   }
   writeWholeFile(directory + "/loops.csv", loopsCsv(record));
   writeWholeFile(directory + "/ring_up.csv", ringUpCsv(record, summary));

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
+#include "configuration_options.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/configuration/configuration_reader.h"
@@ -25,9 +27,9 @@ namespace options = boost::program_options;
 volatile std::sig_atomic_t interrupted = 0;  // what a signal handler may touch
 
 struct Arguments {
-  std::vector<std::string> configuration_files;
+  ConfigurationOptions configuration;
+  std::string duration;
   std::string output_file;
-  std::vector<std::string> overrides;
   bool raw = false;
 };
 
@@ -46,19 +48,13 @@ struct Summary {
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   options::options_description description("simulate");
+  arguments.configuration.addTo(description);
   description.add_options()("help,h", "this text")(
-      "config,c", options::value(&arguments.configuration_files)->composing(),
-      "YAML file of the configuration; of several, later ones override")(
       "output,o", options::value(&arguments.output_file), "bag to write")(
-      "duration", options::value<std::string>(), "of the run [s], instead of run/duration")(
-      "seed", options::value<std::string>(), "of all noise, instead of run/seed")(
-      "set", options::value(&arguments.overrides)->composing(),
-      "section/key=value, in place of what the file says; may be repeated")(
+      "duration", options::value(&arguments.duration), "of the run [s], instead of run/duration")(
       "raw", options::bool_switch(&arguments.raw), "record samples and drive commands too")(
       "parameters", "print the reference of all parameters (Markdown)");
-  options::variables_map values;
-  options::store(options::parse_command_line(argc, argv, description), values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description);
   if (values.count("help") != 0) {
     std::cout << "usage: simulate --config FILE [--output BAG] [--set section/key=value ...]\n"
               << description;
@@ -67,14 +63,6 @@ std::optional<Arguments> parse(int argc, char** argv) {
   if (values.count("parameters") != 0) {
     std::cout << parametersMarkdown();
     return std::nullopt;
-  }
-  if (arguments.configuration_files.empty()) {
-    throw options::error("--config FILE is missing; see simulate --help");
-  }
-  for (const char* name : {"duration", "seed"}) {
-    if (values.count(name) == 0) continue;
-    arguments.overrides.push_back(std::string("run/") + name + "=" +
-                                  values[name].as<std::string>());
   }
   return arguments;
 }
@@ -156,8 +144,9 @@ int main(int argc, char** argv) {
   try {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;
-    const LoopConfiguration configuration =
-        readConfigurationFiles(arguments->configuration_files, arguments->overrides);
+    std::vector<std::string> overrides;
+    if (!arguments->duration.empty()) overrides.push_back("run/duration=" + arguments->duration);
+    const LoopConfiguration configuration = arguments->configuration.read(overrides);
     std::signal(SIGINT, [](int) { interrupted = 1; });
     std::signal(SIGTERM, [](int) { interrupted = 1; });
     print(simulate(configuration, *arguments), configuration, *arguments);

@@ -14,10 +14,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "bag_message.h"
+#include "command_line.h"
 #include "ring_gyro/analysis/run_record.h"
 #include "ring_gyro/analysis/run_summary.h"
 #include "ring_gyro/common/whole_file.h"
-#include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/messages.h"
 #include "run_report.h"
 
@@ -45,13 +46,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "after the first lock, before anything is judged [s]")(
       "window", options::value(&arguments.summary.rate_window)->default_value(0.1, "0.1"),
       "of the rates [s]");
-  options::positional_options_description positions;
-  positions.add("bag", 1);
-  options::variables_map values;
-  options::store(
-      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
-      values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description, "bag", 1);
   if (values.count("help") != 0) {
     std::cout << "usage: summarise_run BAG [--json FILE] [--csv DIRECTORY]\n" << description;
     return std::nullopt;
@@ -63,20 +58,6 @@ std::optional<Arguments> parse(int argc, char** argv) {
     throw options::error("--settling must be at least 0 s and --window above 0 s");
   }
   return arguments;
-}
-
-/// Adds the message when it is of this type; false when it is not.
-template <typename Message, typename Signal>
-bool addIf(const rosbag::MessageInstance& instance, Signal& signal, RunRecord& record) {
-  if (instance.getDataType() != ros::message_traits::datatype<Message>()) return false;
-  const auto message = instance.instantiate<Message>();
-  if (!message) {
-    throw std::runtime_error(instance.getTopic() + ": " + instance.getDataType() +
-                             " of another version of this package");
-  }
-  fromMessage(*message, signal);
-  record.add(signal);
-  return true;
 }
 
 /// Topics are told apart by type, so that namespaces and remapping do not matter.
@@ -104,10 +85,10 @@ RunRecord readBag(const std::string& path) {
   PlantTruth truth;
   ParameterEstimate estimate;
   for (const rosbag::MessageInstance& instance : view) {
-    addIf<ring_gyro_msgs::OrbitalElements>(instance, elements, record) ||
-        addIf<ring_gyro_msgs::ControlGains>(instance, gains, record) ||
-        addIf<ring_gyro_msgs::PlantTruth>(instance, truth, record) ||
-        addIf<ring_gyro_msgs::ParameterEstimate>(instance, estimate, record);
+    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements)) record.add(elements);
+    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains)) record.add(gains);
+    if (readIf<ring_gyro_msgs::PlantTruth>(instance, truth)) record.add(truth);
+    if (readIf<ring_gyro_msgs::ParameterEstimate>(instance, estimate)) record.add(estimate);
   }
   return record;
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "configuration_options.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/simulation/mode_tuning.h"
@@ -74,9 +75,7 @@ int main(int argc, char** argv) {
         "target", options::value(&tuning.target_split)->default_value(1e-4), "split to reach [Hz]")(
         "passes", options::value(&tuning.most_passes)->default_value(6), "at the most")(
         "output,o", options::value(&output_file), "YAML with the voltages");
-    options::variables_map values;
-    options::store(options::parse_command_line(argc, argv, description), values);
-    options::notify(values);
+    const options::variables_map values = parseCommandLine(argc, argv, description);
     if (values.count("help") != 0) {
       std::cout << "usage: tune_modes --config FILE [--output VOLTAGES.yaml]\n" << description;
       return EXIT_SUCCESS;
@@ -87,7 +86,8 @@ int main(int argc, char** argv) {
     }
     ParameterTable table;
     tuning.declare(table);
-    requireInRange(table);
+    requireInRange(table, "--");
+    requireWritable(output_file);
     run(configuration, tuning, output_file);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "ring_gyro/ros/bag_validation.h"
 
 namespace ring_gyro {
@@ -45,13 +46,7 @@ int run(int argc, char** argv) {
   description.add_options()("help,h", "this text")("bag", options::value(&bags), "recorded runs")(
       "elements", options::value(&topics.elements), "topic of the orbital elements")(
       "gains", options::value(&topics.gains), "topic of the control gains");
-  options::positional_options_description positions;
-  positions.add("bag", -1);
-  options::variables_map values;
-  options::store(
-      options::command_line_parser(argc, argv).options(description).positional(positions).run(),
-      values);
-  options::notify(values);
+  const options::variables_map values = parseCommandLine(argc, argv, description, "bag");
   if (values.count("help") != 0) {
     std::cout << "usage: validate_bag RUN.bag [MORE.bag ...]\n"
               << description

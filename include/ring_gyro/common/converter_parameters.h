@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "ring_gyro/common/parameter_table.h"
 
@@ -17,6 +18,9 @@ struct ConverterParameters {
   }
   /// [ns]; throws std::invalid_argument when the block is not a whole number of nanoseconds.
   std::int64_t blockDurationNanoseconds() const;
+  /// Blocks in a period [s]; throws std::invalid_argument, by the name of the period, when they are
+  /// not a whole number from 1.
+  std::int64_t wholeBlocks(double period, const std::string& name) const;
 
   void declare(ParameterTable& table);
 };

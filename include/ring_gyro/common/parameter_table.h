@@ -64,6 +64,10 @@ class ParameterTable {
   std::vector<Parameter> parameters_;
 };
 
+/// Throws std::invalid_argument with a line for each number of the table that is not in its range;
+/// `prefix` stands before the keys: "extended/", "--".
+void requireInRange(const ParameterTable& table, const std::string& prefix);
+
 /// A section of the configuration: its name and its parameters.
 struct Section {
   std::string name;

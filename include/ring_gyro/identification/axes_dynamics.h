@@ -63,7 +63,7 @@ struct AxesDynamics {
 
   AxesDynamics() = default;
 
-  /// Adds one `lane` of `steps`; over(count) of the sum is the mean.
+  /// Adds one `lane` of `steps`.
   void add(const AxesDynamics<Lanes>& steps, std::size_t lane) {
     coupling += steps.coupling[lane];
     turning += steps.turning[lane];
@@ -74,8 +74,8 @@ struct AxesDynamics {
     across_real += steps.across_real[lane];
     across_imaginary += steps.across_imaginary[lane];
   }
-  AxesDynamics over(double count) const {
-    const double share = 1.0 / count;
+  /// All but the decay times `share`: of a sum of so many, the mean.
+  AxesDynamics times(double share) const {
     AxesDynamics mean = *this;
     for (Real* number : {&mean.coupling, &mean.turning, &mean.cosine, &mean.sine, &mean.along_real,
                          &mean.along_imaginary, &mean.across_real, &mean.across_imaginary}) {

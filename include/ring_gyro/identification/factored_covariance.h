@@ -154,7 +154,14 @@ class FactoredCovariance {
     for (int j = 0; j < kSize; ++j) {
       for (int i = 0; i < j; ++i) upper(i, j) = upper_[place(i, j)];
     }
-    return upper * diagonal_.asDiagonal() * upper.transpose();
+    const Matrix weighted = upper * diagonal_.asDiagonal();
+    Matrix result;
+    for (int i = 0; i < kSize; ++i) {
+      for (int j = i; j < kSize; ++j) {
+        result(i, j) = result(j, i) = weighted.row(i).dot(upper.row(j));
+      }
+    }
+    return result;
   }
 
   /// Of the numbers in it: not finite unless all of them are.

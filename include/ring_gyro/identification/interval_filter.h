@@ -23,7 +23,8 @@ struct IntervalNoise {
 
 /// Outcome of one update.
 struct IntervalUpdate {
-  bool accepted = false;  ///< false: a number was not finite, or no sample; nothing was changed
+  /// false: a number was not finite, a variance below zero, or no sample; nothing was changed
+  bool accepted = false;
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();             ///< of the mean a, b [V]
   Eigen::Matrix2d innovation_covariance = Eigen::Matrix2d::Zero();  ///< [V^2]
   double normalised_innovation_squared = 0.0;
@@ -107,9 +108,10 @@ class IntervalFilter {
   const Belief& present() const { return beliefs_[present_]; }
   DeviceParameters device() const;
   void start();
-  void startGathering(double duration);
-  void advance();
-  Square stepNoise(const AxesStepPairs& step, double duration) const;
+  void advance(const AxesDynamics<double>& mean, const TwoLanes& squares, int count,
+               double duration);
+  double angleVariance(const TwoLanes& axes, double duration) const;
+  Square stepNoise(const AxesStepPairs& step, const TwoLanes& axes, double duration) const;
   Regression passedOn(const Square& by_axes, const Regression& by_parameters) const;
   Parameters measureParameters(const Regression& regression, const Square& conditional,
                                const TwoLanes& innovation, const FactoredCovariance& covariance,
@@ -139,10 +141,6 @@ class IntervalFilter {
   Sensitivity sensitivity_;
   double elapsed_ = 0.0;
   int samples_ = 0;
-  int gathered_steps_ = 0;         // steps that the derivatives have yet to take
-  AxesDynamics<double> gathered_;  // their sum
-  TwoLanes gathered_from_;         // axes where they begin
-  double step_duration_ = 0.0;
   TwoLanes predicted_sum_;
   TwoLanes measured_sum_;
   Sensitivity sensitivity_sum_;

@@ -38,6 +38,7 @@ class CsvSource : public RecordSource {
   std::uint64_t first_line_ = 1;  // with numbers
   std::vector<std::string> names_;
   bool named_ = false;
+  bool split_at_decimals_ = false;  // perhaps
   std::vector<std::size_t> columns_;
   std::vector<std::string_view> fields_;
 };

@@ -51,7 +51,8 @@ class LogImporter {
   std::int64_t rowsPerBlock() const { return rows_per_block_; }
   std::int64_t blockDurationNanoseconds() const { return duration_ns_; }
   double minimumAmplitude() const { return minimum_amplitude_; }  ///< of a usable block [V]
-  double groupDelay() const;  ///< of the blocks, unless a column says it [s]
+  double groupDelay() const;           ///< of the blocks, unless the log says it [s]
+  std::string groupDelayText() const;  ///< how long, or which column says it
 
   /// Everything to the end of the log. Throws as the constructor.
   const ImportCounts& run(const Sink& sink, const Progress& progress);

@@ -1,0 +1,17 @@
+#include "ring_gyro/common/formatted.h"
+
+#include <cstdarg>
+#include <cstdio>
+
+namespace ring_gyro {
+
+std::string formatted(const char* pattern, ...) {
+  char line[512];
+  std::va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(line, sizeof line, pattern, arguments);
+  va_end(arguments);
+  return line;
+}
+
+}  // namespace ring_gyro

@@ -1,0 +1,36 @@
+#include "ring_gyro/common/converter_parameters.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+namespace ring_gyro {
+namespace {
+
+const ConverterParameters kConverter{200e3, 200};
+
+std::string faultOf(double period) {
+  try {
+    kConverter.wholeBlocks(period, "extended/update_period");
+    return "";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
+TEST(ConverterParameters, WholeBlocksOfAPeriod) {
+  EXPECT_EQ(kConverter.wholeBlocks(0.001, "period"), 1);
+  EXPECT_EQ(kConverter.wholeBlocks(0.1, "period"), 100);
+}
+
+TEST(ConverterParameters, NamesAPeriodThatIsNotOfWholeBlocks) {
+  EXPECT_EQ(faultOf(0.0015),
+            "extended/update_period = 0.0015 s must be a whole number of blocks of 0.001 s");
+  EXPECT_NE(faultOf(0.0), "");
+  EXPECT_NE(faultOf(-0.001), "");
+  EXPECT_NE(faultOf(std::numeric_limits<double>::quiet_NaN()), "");
+}
+
+}  // namespace
+}  // namespace ring_gyro
