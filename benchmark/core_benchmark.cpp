@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
     add(
         period < 0.01 ? "chain_1kHz" : "chain_10Hz",
         [&file, period](benchmark::State& state) { chainAgainstLoop(state, file, period); },
-        quick ? 50 : 400);
+        quick ? 30 : 200);
   }
   add(
       "flat_cost",

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/loop_recorder.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/topics.h"
@@ -56,18 +57,21 @@ inline bool exists(const std::string& path) {
   return stat(path.c_str(), &status) == 0;
 }
 
-/// The loop of a preset in one process, recorded. Returns its estimates.
-inline std::vector<ParameterEstimate> recordRun(const LoopConfiguration& configuration,
-                                                const std::string& path) {
+/// The loop of a preset in one process, recorded. Returns its estimates, as messages.
+inline std::vector<ring_gyro_msgs::ParameterEstimate> recordRun(
+    const LoopConfiguration& configuration, const std::string& path) {
   ClosedLoop loop(configuration);
   LoopRecorder recorder(path, false);
-  std::vector<ParameterEstimate> estimates;
+  std::vector<ring_gyro_msgs::ParameterEstimate> estimates;
   BlockStamp last;
   const std::uint64_t blocks = configuration.run.blocks(configuration.converter);
   for (std::uint64_t i = 0; i < blocks; ++i) {
     const LoopRecord record = loop.step();
     recorder.write(record);
-    if (record.estimate) estimates.push_back(*record.estimate);
+    if (record.estimate) {
+      estimates.emplace_back();
+      toMessage(*record.estimate, record.identifier.covariance(), estimates.back());
+    }
     last = record.displacement.stamp;
   }
   recorder.finish(last);

@@ -14,16 +14,16 @@
 namespace ring_gyro {
 namespace {
 
-std::vector<std::uint8_t> bytesOf(const ParameterEstimate& estimate) {
-  ring_gyro_msgs::ParameterEstimate message;
-  toMessage(estimate, message);
+using Estimates = std::vector<ring_gyro_msgs::ParameterEstimate>;
+
+std::vector<std::uint8_t> bytesOf(const ring_gyro_msgs::ParameterEstimate& message) {
   std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(message));
   ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   ros::serialization::serialize(stream, message);
   return bytes;
 }
 
-void expectSame(const std::vector<ParameterEstimate>& a, const std::vector<ParameterEstimate>& b) {
+void expectSame(const Estimates& a, const Estimates& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     ASSERT_EQ(bytesOf(a[i]), bytesOf(b[i])) << "estimate " << i;
@@ -31,7 +31,7 @@ void expectSame(const std::vector<ParameterEstimate>& a, const std::vector<Param
 }
 
 struct Identified {
-  std::vector<ParameterEstimate> estimates;
+  Estimates estimates;
   IdentificationResult result;
 };
 
@@ -54,19 +54,22 @@ class BagIdentificationTest : public testing::Test {
                              const BagIdentificationOptions& options = {}) {
     Identified run;
     BagIdentification identification(bags, *configuration_, options);
-    run.result =
-        identification.run([&run](const ParameterEstimate& e) { run.estimates.push_back(e); });
+    run.result = identification.run(
+        [&run](const ParameterEstimate& estimate, const StateMatrix& covariance) {
+          run.estimates.emplace_back();
+          toMessage(estimate, covariance, run.estimates.back());
+        });
     return run;
   }
 
   static std::unique_ptr<TemporaryFolder> folder_;
   static std::unique_ptr<LoopConfiguration> configuration_;
-  static std::vector<ParameterEstimate> live_;
+  static Estimates live_;
 };
 
 std::unique_ptr<TemporaryFolder> BagIdentificationTest::folder_;
 std::unique_ptr<LoopConfiguration> BagIdentificationTest::configuration_;
-std::vector<ParameterEstimate> BagIdentificationTest::live_;
+Estimates BagIdentificationTest::live_;
 
 TEST_F(BagIdentificationTest, GivesTheBitsOfTheLiveRun) {
   const Identified run = identify({bag()});
@@ -106,13 +109,14 @@ TEST_F(BagIdentificationTest, SplitBagsContinueAsOneRun) {
 
 TEST_F(BagIdentificationTest, StartSequenceIsAnIdentifierStartedThere) {
   Identifier identifier(configuration_->identification, configuration_->converter);
-  std::vector<ParameterEstimate> expected;
+  Estimates expected;
   ClosedLoop loop(*configuration_);
   for (std::uint64_t i = 0; i < 4050; ++i) {
     const LoopRecord record = loop.step();
     if (i < 1537) continue;
     if (const auto estimate = identifier.process(record.loops.elements, record.loops.gains)) {
-      expected.push_back(*estimate);
+      expected.emplace_back();
+      toMessage(*estimate, identifier.covariance(), expected.back());
     }
   }
   BagIdentificationOptions options;
@@ -184,8 +188,8 @@ TEST_F(BagIdentificationTest, JsonHasAllNumbersToTheLastBit) {
   EXPECT_EQ(object.at("parameters").at("ks").at("value").get<double>(),
             live_.back().value[kDriveGain]);
   EXPECT_EQ(object.at("parameters").at("gamma2").at("sigma").get<double>(),
-            live_.back().sigma(kGamma2));
-  EXPECT_EQ(object.at("covariance").at(3).at(5).get<double>(), live_.back().covariance(3, 5));
+            live_.back().sigma[kGamma2]);
+  EXPECT_EQ(object.at("covariance").at(3).at(5).get<double>(), live_.back().covariance[7 * 3 + 5]);
   EXPECT_EQ(object.at("counts").at("used").get<std::uint64_t>(), live_.back().used_blocks);
   EXPECT_EQ(object.at("settings").at("device").at("quality_factor").get<double>(), 22000.0);
   EXPECT_FALSE(json.at("version").get<std::string>().empty());

@@ -162,6 +162,7 @@ TEST(Conversions, ControlGains) {
 TEST(Conversions, ParameterEstimate) {
   Values values;
   ParameterEstimate estimate;
+  StateMatrix covariance;
   estimate.stamp = values.nextStamp();
   estimate.first_sequence = values.nextCount();
   estimate.used_blocks = values.nextCount();
@@ -170,8 +171,8 @@ TEST(Conversions, ParameterEstimate) {
   estimate.updated = true;
   for (int i = 0; i < 7; ++i) {
     estimate.value[i] = values.next();
-    for (int j = 0; j < 7; ++j) estimate.covariance(i, j) = values.next();
-    estimate.covariance(i, i) = std::abs(estimate.covariance(i, i));
+    for (int j = 0; j < 7; ++j) covariance(i, j) = values.next();
+    covariance(i, i) = estimate.variance[i] = std::abs(covariance(i, i));
   }
   estimate.innovation = {values.next(), values.next()};
   estimate.innovation_covariance << values.next(), values.next(), values.next(), values.next();
@@ -180,7 +181,10 @@ TEST(Conversions, ParameterEstimate) {
   estimate.residual_gamma2 = values.next();
   estimate.angle_covered = values.next();
   estimate.converged = true;
-  expectSameBits<ring_gyro_msgs::ParameterEstimate>(estimate);
+  expectSameBits<ring_gyro_msgs::ParameterEstimate>(
+      estimate, [&](const ParameterEstimate& from, ring_gyro_msgs::ParameterEstimate& to) {
+        toMessage(from, covariance, to);
+      });
 }
 
 TEST(Conversions, CompensationDecision) {

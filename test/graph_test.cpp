@@ -112,7 +112,7 @@ TEST(Graph, SendsWhatTheLoopInOneProcessComputes) {
     truths.expectNext(truth_message);
     if (!record.estimate) continue;
     last = *record.estimate;
-    toMessage(last, estimate_message);
+    toMessage(last, record.identifier.covariance(), estimate_message);
     estimates.expectNext(estimate_message);
     if (!compensated) continue;
     toMessage(*record.decision, estimate_message.header.stamp, decision_message);

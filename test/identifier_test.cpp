@@ -165,9 +165,9 @@ TEST(Identifier, ErrorsAreAsLargeAsItsCovarianceSays) {
     }
     const Eigen::Matrix<double, 5, 1> error = (last.value - truth(loop)).tail<5>();
     const Eigen::Matrix<double, 5, 1> scale = last.variance.tail<5>().cwiseSqrt();
-    const Eigen::Matrix<double, 5, 5> correlation = scale.asDiagonal().inverse() *
-                                                    identifier.covariance().bottomRightCorner<5, 5>() *
-                                                    scale.asDiagonal().inverse();
+    const Eigen::Matrix<double, 5, 5> correlation =
+        scale.asDiagonal().inverse() * identifier.covariance().bottomRightCorner<5, 5>() *
+        scale.asDiagonal().inverse();
     const Eigen::Matrix<double, 5, 1> scaled = error.cwiseQuotient(scale);
     sum += scaled.dot(correlation.ldlt().solve(scaled));
   }
@@ -370,8 +370,7 @@ TEST(Identifier, ParametersOutlastABreakAndTheAxesDoNot) {
   const ParameterEstimate after = run(identifier, loop, 100);
   EXPECT_TRUE(after.updated);
   EXPECT_LT(after.sigma(kA), 1e-4);
-  for (int k = kGamma1; k <= kDriveGain; ++k)
-    EXPECT_LE(after.variance[k], before.variance[k]);
+  for (int k = kGamma1; k <= kDriveGain; ++k) EXPECT_LE(after.variance[k], before.variance[k]);
 }
 
 TEST(Identifier, NewSessionStartsAfresh) {

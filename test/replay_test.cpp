@@ -36,7 +36,7 @@ TEST(Replay, GivesTheEstimatesOfTheRun) {
       last = record.displacement.stamp;
       if (!record.estimate) continue;
       Estimate message;
-      toMessage(*record.estimate, message);
+      toMessage(*record.estimate, record.identifier.covariance(), message);
       expected.push_back(bytesOf(message));
     }
     recorder.finish(last);
