@@ -12,6 +12,18 @@ constexpr int kParameters = FactoredCovariance::kSize;
 
 TwoLanes pairOf(const Eigen::Vector2d& vector) { return TwoLanes{vector[0], vector[1]}; }
 
+/// Written in pairs, as Eigen reads it (pairs.h).
+template <typename Parameters>
+StateVector stateOf(const TwoLanes& axes, const Parameters& parameters) {
+  static_assert(kParameters == 5);
+  StateVector state;
+  store(axes, state.data());
+  store(TwoLanes{parameters[0], parameters[1]}, state.data() + 2);
+  store(TwoLanes{parameters[2], parameters[3]}, state.data() + 4);
+  state[6] = parameters[4];
+  return state;
+}
+
 /// Of the two components of the drive that bring noise of the angles into a' and b': sum of squares
 /// and product.
 TwoLanes squaresOf(const AxesDynamics<double>& dynamics) {
@@ -166,7 +178,7 @@ inline Square IntervalFilter::stepNoise(const AxesStepPairs& step, const TwoLane
 /// Derivatives and noise of the interval after `count` steps more from axes_ on, with these means
 /// of their dynamics and of squaresOf() them. Within the steps the derivatives change in proportion
 /// to time.
-RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::advance(
+RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN void IntervalFilter::advance(
     const AxesDynamics<double>& mean, const TwoLanes& squares, int count, double duration) {
   const DeviceParameters parameters = device();
   const double n = count;
@@ -257,9 +269,10 @@ inline IntervalFilter::Parameters IntervalFilter::measureParameters(
       innovation[0], innovation[1] - shared * innovation[0], next);
   const double a_variance = outcome.first_variance;
   const double cross = shared * a_variance + outcome.common;
-  update_.innovation << innovation[0], innovation[1];
-  update_.innovation_covariance << a_variance, cross, cross,
-      outcome.second_variance + cross * cross / a_variance;
+  store(innovation, update_.innovation.data());
+  store(TwoLanes{a_variance, cross}, update_.innovation_covariance.data());
+  store(TwoLanes{cross, outcome.second_variance + cross * cross / a_variance},
+        update_.innovation_covariance.data() + 2);
   update_.normalised_innovation_squared =
       innovation[0] * outcome.first_share +
       outcome.second_innovation * outcome.second_innovation / outcome.second_variance;
@@ -376,13 +389,7 @@ void IntervalFilter::addTo(Belief& belief, double weight, const ParameterVector&
   belief.conditional = belief.conditional + gained.weight * outer(gained.factor, gained.factor);
 }
 
-StateVector IntervalFilter::value() const {
-  StateVector value;
-  value[kA] = present().axes[0];
-  value[kB] = present().axes[1];
-  for (int k = 0; k < kParameters; ++k) value[2 + k] = present().parameters[k];
-  return value;
-}
+StateVector IntervalFilter::value() const { return stateOf(present().axes, present().parameters); }
 
 StateMatrix IntervalFilter::covariance() const {
   Eigen::Matrix<double, 2, kParameters> regression;
@@ -402,12 +409,9 @@ StateMatrix IntervalFilter::covariance() const {
 RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN StateVector IntervalFilter::variance() const {
   const Belief& belief = present();
   const TwoLanes axes = belief.covariance.variance(belief.regression);
-  const FactoredCovariance::Vector parameters = belief.covariance.variance();
-  StateVector result;
-  result[kA] = belief.conditional.first[0] + axes[0];
-  result[kB] = belief.conditional.second[1] + axes[1];
-  for (int k = 0; k < kParameters; ++k) result[2 + k] = parameters[k];
-  return result;
+  return stateOf(
+      TwoLanes{belief.conditional.first[0] + axes[0], belief.conditional.second[1] + axes[1]},
+      belief.covariance.variance());
 }
 
 }  // namespace ring_gyro
