@@ -174,7 +174,9 @@ inline void BlockChain::stepTo(std::uint64_t sequence, double decay_rate,
   step.y_step_imaginary = spread * yi;
 }
 
-void BlockChain::step(std::uint64_t sequence, double decay_rate, AveragedStep<double>& step) const {
+RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN void BlockChain::step(std::uint64_t sequence,
+                                                               double decay_rate,
+                                                               AveragedStep<double>& step) const {
   stepTo(sequence, decay_rate, step);
 }
 

@@ -1,14 +1,18 @@
 #pragma once
 
-/// Marks a function to be compiled for several vector widths, the best one of the machine being
-/// chosen when the program starts. Kernels so marked must do the same operations on each element
-/// whatever the width (sums over fixed lanes, no contraction to fused multiply-add), so that the
-/// results are the same to the last bit on every machine.
+// For the processor of the machine, chosen when the program starts:
+
+/// RING_GYRO_VECTOR_CLONES marks a function to be compiled for several vector widths. Kernels of
+/// the plant and the demodulator must do the same operations on each element whatever the width
+/// (sums over fixed lanes, no contraction to fused multiply-add), so that the results are the same
+/// to the last bit on every machine.
+///
+/// RING_GYRO_FUSED_CLONES marks one to be compiled with and without fused multiply-add: a chain of
+/// sums of products is ready in half the time. Results differ by rounding between such machines.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RING_GYRO_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#define RING_GYRO_FUSED_CLONES \
-  __attribute__((target_clones("fma", "default")))
+#define RING_GYRO_FUSED_CLONES __attribute__((target_clones("fma", "default")))
 #else
 #define RING_GYRO_VECTOR_CLONES
 #define RING_GYRO_FUSED_CLONES

@@ -26,8 +26,8 @@ struct UnusableBlocks {
 struct IdentificationReport {
   std::optional<ParameterEstimate> estimate;  ///< the last
   StateMatrix covariance = StateMatrix::Zero();
-  BlockStamp first;                           ///< first pair that the filter saw, of the last start
-  BlockStamp last;                            ///< last pair
+  BlockStamp first;  ///< first pair that the filter saw, of the last start
+  BlockStamp last;   ///< last pair
   /// Of the last start of the filter: data from its first block until it first said converged [s].
   std::optional<double> convergence_time;
   std::uint64_t updates = 0;            ///< estimates with data, of the last start
