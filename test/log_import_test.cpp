@@ -345,6 +345,22 @@ TEST_F(LogImport, SaysWhereTheGroupDelayIsFrom) {
   EXPECT_NEAR(log.blocks[3].first.group_delay, 1.5e-3, 1e-12);
 }
 
+// The drive is pointed by the motion as it was when it acted, wherever the delay is told.
+TEST_F(LogImport, GroupDelayOfAColumnPointsTheDriveToo) {
+  write(tableText(20));
+  ImportOptions options;
+  options.group_delay = 1.5e-3;
+  const ImportedLog by_option = import({}, options);
+  std::string text = replaced(tableText(20), "alpha\n", "alpha,Delay [ms]\n");
+  write(replaced(text, "0\n", "0,1.5\n"));
+  const ImportedLog by_column = import({"group_delay=Delay"});
+  ASSERT_EQ(by_column.blocks.size(), by_option.blocks.size());
+  for (std::size_t k = 0; k < by_option.blocks.size(); ++k) {
+    const Eigen::Vector2cd told = by_option.blocks[k].second.drive.total();
+    EXPECT_LT((by_column.blocks[k].second.drive.total() - told).norm(), 1e-12 * told.norm()) << k;
+  }
+}
+
 // Bad input: one line with file, place, fault and mend; with --partial the rest is taken.
 
 class BadLog : public LogImport {

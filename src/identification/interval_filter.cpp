@@ -205,7 +205,13 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN void IntervalFilter::advance(
         to_sum * by_parameter + 0.5 * (n + 1.0) * step.by_parameters[k];
     by_parameter = transition * by_parameter + step.by_parameters[k];
   }
+  gatherNoise(transition, to_sum, noise, n);
+}
 
+/// Noise that the interval gathers in `n` steps: `transition` and `to_sum` pass on what there was
+/// to the end and to the sum of the samples, `noise` is that of each step.
+inline void IntervalFilter::gatherNoise(const Square& transition, const Square& to_sum,
+                                        const Square& noise, double n) {
   const Square start_with_sum = noise_end_ * transposed(to_sum);
   const Square sum_with_sum = to_sum * noise_end_sum_;
   noise_sum_ = noise_sum_ + (sum_with_sum + transposed(sum_with_sum)) + to_sum * start_with_sum;

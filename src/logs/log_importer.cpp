@@ -379,7 +379,9 @@ void LogImporter::addMotion(const LogRow& row) {
       acted.row = 0.5 * (last_->row + row);
     }
     ControlGains gains;
-    driveOf(acted.row, now.orbit, clock_->period(), options_.group_delay, gains);
+    const double delay =
+        has(Quantity::kGroupDelay) ? valueOf(row, Quantity::kGroupDelay) : options_.group_delay;
+    driveOf(acted.row, now.orbit, clock_->period(), delay, gains);
     acted.row[static_cast<Eigen::Index>(indexOf(Quantity::kUsable))] =
         valueOf(row, Quantity::kUsable);
     addToBlock(acted, gains);

@@ -63,27 +63,6 @@ struct AxesDynamics {
 
   AxesDynamics() = default;
 
-  /// Adds one `lane` of `steps`.
-  void add(const AxesDynamics<Lanes>& steps, std::size_t lane) {
-    coupling += steps.coupling[lane];
-    turning += steps.turning[lane];
-    cosine += steps.cosine[lane];
-    sine += steps.sine[lane];
-    along_real += steps.along_real[lane];
-    along_imaginary += steps.along_imaginary[lane];
-    across_real += steps.across_real[lane];
-    across_imaginary += steps.across_imaginary[lane];
-  }
-  /// All but the decay times `share`: of a sum of so many, the mean.
-  AxesDynamics times(double share) const {
-    AxesDynamics mean = *this;
-    for (Real* number : {&mean.coupling, &mean.turning, &mean.cosine, &mean.sine, &mean.along_real,
-                         &mean.along_imaginary, &mean.across_real, &mean.across_imaginary}) {
-      *number *= share;
-    }
-    return mean;
-  }
-
   /// `angular_frequency`: w0 of the ideal ring [rad/s].
   AxesDynamics(double decay_rate, double angular_frequency, const AveragedStep<Real>& step)
       : decay(decay_rate) {
@@ -117,6 +96,27 @@ struct AxesDynamics {
     along_imaginary = er * along_i + ei * along_r;
     across_real = er * across_r - ei * across_i;
     across_imaginary = er * across_i + ei * across_r;
+  }
+
+  /// Adds one `lane` of `steps`.
+  void add(const AxesDynamics<Lanes>& steps, std::size_t lane) {
+    coupling += steps.coupling[lane];
+    turning += steps.turning[lane];
+    cosine += steps.cosine[lane];
+    sine += steps.sine[lane];
+    along_real += steps.along_real[lane];
+    along_imaginary += steps.along_imaginary[lane];
+    across_real += steps.across_real[lane];
+    across_imaginary += steps.across_imaginary[lane];
+  }
+  /// All but the decay times `share`: of a sum of so many, the mean.
+  AxesDynamics times(double share) const {
+    AxesDynamics mean = *this;
+    for (Real* number : {&mean.coupling, &mean.turning, &mean.cosine, &mean.sine, &mean.along_real,
+                         &mean.along_imaginary, &mean.across_real, &mean.across_imaginary}) {
+      *number *= share;
+    }
+    return mean;
   }
 
   /// Of a midpoint step over `duration` [s].

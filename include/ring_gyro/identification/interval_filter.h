@@ -110,6 +110,7 @@ class IntervalFilter {
   void start();
   void advance(const AxesDynamics<double>& mean, const TwoLanes& squares, int count,
                double duration);
+  void gatherNoise(const Square& transition, const Square& to_sum, const Square& noise, double n);
   double angleVariance(const TwoLanes& axes, double duration) const;
   Square stepNoise(const AxesStepPairs& step, const TwoLanes& axes, double duration) const;
   Regression passedOn(const Square& by_axes, const Regression& by_parameters) const;
