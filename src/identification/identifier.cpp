@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace ring_gyro {
 namespace {
@@ -196,26 +197,25 @@ void Identifier::addToScale(const Orbit& orbit, const ControlGains& gains) {
 }
 
 void Identifier::takeWaiting(bool last_of_period) {
-  const std::uint64_t first = last_stamp_.sequence + 1 - static_cast<std::uint64_t>(waiting_);
-  if (by_blocks_ && waiting_ == 1) {
+  const int count = std::exchange(waiting_, 0);
+  const std::uint64_t first = last_stamp_.sequence + 1 - static_cast<std::uint64_t>(count);
+  if (by_blocks_ && count == 1) {
     AveragedStep<double> step;
     chain_.step(first, model_.decayRate(), step);
     Eigen::Vector2d axes;
     chain_.axes(first, axes[0], axes[1]);
     filter_.stepAndUpdate(step, chain_.blockDuration(), axes);
   } else {
-    if (waiting_ > 0) {
+    if (count > 0) {
       AveragedStep<Lanes> steps;
       chain_.steps(first, model_.decayRate(), steps);
       Lanes a, b;
       chain_.axes(first, a, b);
-      filter_.steps(steps, waiting_, chain_.blockDuration(), a, b);
+      filter_.steps(steps, count, chain_.blockDuration(), a, b);
     }
-    waiting_ = 0;
     if (!by_blocks_ && !last_of_period) return;
     filter_.update();
   }
-  waiting_ = 0;
   chained_ = filter_.lastUpdate().accepted;
   if (!chained_) breakChain();
 }

@@ -108,10 +108,8 @@ RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::step(const AveragedS
                                                                  const Eigen::Vector2d& measured) {
   if (samples_ == 0) start();
   const AxesDynamics<double> dynamics(model_.decayRate(), model_.angularFrequency(), step);
-  const TwoLanes end = AxesRatePairs(dynamics, device()).step(axes_, duration).axes;
-  advance(dynamics, squaresOf(dynamics), 1, duration);
-  axes_ = end;
-  predicted_sum_ += end;
+  axes_ = advance(dynamics, squaresOf(dynamics), 1, duration);
+  predicted_sum_ += axes_;
   measured_sum_ += pairOf(measured);
 }
 
@@ -177,8 +175,8 @@ inline Square IntervalFilter::stepNoise(const AxesStepPairs& step, const TwoLane
 
 /// Derivatives and noise of the interval after `count` steps more from axes_ on, with these means
 /// of their dynamics and of squaresOf() them. Within the steps the derivatives change in proportion
-/// to time.
-RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN void IntervalFilter::advance(
+/// to time. Gives the axes to which one step over all of them leads.
+RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN TwoLanes IntervalFilter::advance(
     const AxesDynamics<double>& mean, const TwoLanes& squares, int count, double duration) {
   const DeviceParameters parameters = device();
   const double n = count;
@@ -206,6 +204,7 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN void IntervalFilter::advance(
     by_parameter = transition * by_parameter + step.by_parameters[k];
   }
   gatherNoise(transition, to_sum, noise, n);
+  return step.axes;
 }
 
 /// Noise that the interval gathers in `n` steps: `transition` and `to_sum` pass on what there was

@@ -16,8 +16,8 @@ RING_GYRO_NOT_INLINE void librarySineCosine(const Vector& angle, Vector& sine, V
   }
 }
 
-/// Sines and cosines of several angles [rad] side by side, within 2 units of the last place of 1;
-/// the same bits on every machine. Library functions take them one by one, which is most of the
+/// Sines and cosines of several angles [rad] side by side, within 2 units of the last place of 1.
+/// Library functions take them one by one, which is most of the
 /// time of a step of the averaged model.
 template <typename Vector>
 inline void sineCosine(const Vector& angle, Vector& sine, Vector& cosine) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 
 #include "ring_gyro/common/lanes.h"
@@ -40,6 +39,12 @@ struct StepAngles<Lanes> {
     image_sine = sine[2], image_cosine = cosine[2];
   }
   Lanes theta_sine, theta_cosine, phi_sine, phi_cosine, image_sine, image_cosine;
+};
+
+/// Rates of a and b with respect to a and b [1/s].
+template <typename Real>
+struct AxesMatrix {
+  Real aa, ab, ba, bb;
 };
 
 /// (a, b) after a step is (1 + transition) (a, b) + force.
@@ -119,16 +124,19 @@ struct AxesDynamics {
     return mean;
   }
 
-  /// Of a midpoint step over `duration` [s].
-  AxesTransition<Real> transition(const DeviceParameters& device, double duration) const {
+  AxesMatrix<Real> matrix(const DeviceParameters& device) const {
     const Real gamma = device.gamma1 * cosine + device.gamma2 * sine;
     const Real mu = coupling * (device.mu2 * cosine - device.mu1 * sine);
     const Real a_decay = decay * (1.0 + gamma);
     const Real b_decay = decay * (1.0 - gamma);
-    const Real aa = -a_decay - turning * mu;
-    const Real ab = mu - turning * a_decay;
-    const Real ba = -mu - turning * b_decay;
-    const Real bb = turning * mu - b_decay;
+    return {-a_decay - turning * mu, mu - turning * a_decay,  //
+            -mu - turning * b_decay, turning * mu - b_decay};
+  }
+
+  /// Of a midpoint step over `duration` [s].
+  AxesTransition<Real> transition(const DeviceParameters& device, double duration) const {
+    const AxesMatrix<Real> rates = matrix(device);
+    const Real &aa = rates.aa, &ab = rates.ab, &ba = rates.ba, &bb = rates.bb;
     const double half = 0.5 * duration;
     const Real a_force = duration * device.drive_gain * along_imaginary;
     const Real b_force = duration * device.drive_gain * across_real;
@@ -160,12 +168,8 @@ struct AxesRatePairs {
 
   AxesRatePairs(const AxesDynamics<double>& dynamics, const DeviceParameters& parameters)
       : at(dynamics), device(parameters), force{at.along_imaginary, at.across_real} {
-    const double gamma = device.gamma1 * at.cosine + device.gamma2 * at.sine;
-    const double mu = at.coupling * (device.mu2 * at.cosine - device.mu1 * at.sine);
-    const double a_decay = at.decay * (1.0 + gamma);
-    const double b_decay = at.decay * (1.0 - gamma);
-    by_axes = {TwoLanes{-a_decay - at.turning * mu, -mu - at.turning * b_decay},
-               TwoLanes{mu - at.turning * a_decay, at.turning * mu - b_decay}};
+    const AxesMatrix<double> rates = at.matrix(device);
+    by_axes = {TwoLanes{rates.aa, rates.ba}, TwoLanes{rates.ab, rates.bb}};
   }
 
   TwoLanes rate(const TwoLanes& axes) const { return by_axes * axes + device.drive_gain * force; }

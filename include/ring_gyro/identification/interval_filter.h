@@ -67,7 +67,7 @@ class IntervalFilter {
   /// A step over `duration` [s] and the (a, b) [V] measured at its end.
   void step(const AveragedStep<double>& step, double duration, const Eigen::Vector2d& measured);
   /// The first `count`, 1 to kLanes, of several such steps, predicted each by itself. Derivatives
-  /// and noise are those of one step over several of them at their mean: they only weigh the
+  /// and noise are those of one step over all of them at their mean: they only weigh the
   /// innovation, which needs no ninth digit.
   void steps(const AveragedStep<Lanes>& steps, int count, double duration, const Lanes& measured_a,
              const Lanes& measured_b);
@@ -108,8 +108,8 @@ class IntervalFilter {
   const Belief& present() const { return beliefs_[present_]; }
   DeviceParameters device() const;
   void start();
-  void advance(const AxesDynamics<double>& mean, const TwoLanes& squares, int count,
-               double duration);
+  TwoLanes advance(const AxesDynamics<double>& mean, const TwoLanes& squares, int count,
+                   double duration);
   void gatherNoise(const Square& transition, const Square& to_sum, const Square& noise, double n);
   double angleVariance(const TwoLanes& axes, double duration) const;
   Square stepNoise(const AxesStepPairs& step, const TwoLanes& axes, double duration) const;
