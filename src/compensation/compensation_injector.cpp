@@ -68,7 +68,7 @@ CompensationInjector::CompensationInjector(const InjectorParameters& parameters,
   }
 }
 
-CompensationDecision CompensationInjector::decide(const ParameterEstimate& estimate) {
+const CompensationDecision& CompensationInjector::decide(const ParameterEstimate& estimate) {
   if (!begun_ || estimate.stamp.session != session_) {
     reset();
     begun_ = true;
@@ -76,34 +76,31 @@ CompensationDecision CompensationInjector::decide(const ParameterEstimate& estim
   }
   const double period = static_cast<double>(period_blocks_) * estimate.stamp.duration();
 
-  CompensationDecision decision;
   if (!enabled_) {
     rampTowards(0.0, 0.0, period);
-    decision.state = InjectorState::kDisabled;
+    decision_.state = InjectorState::kDisabled;
   } else if (hold_) {
-    decision.state = InjectorState::kHolding;
+    decision_.state = InjectorState::kHolding;
   } else if (!gateOpen(estimate)) {
-    decision.state = InjectorState::kWaiting;
+    decision_.state = InjectorState::kWaiting;
   } else if (square(estimate.value[kGamma1]) + square(estimate.value[kGamma2]) >
              square(parameters_.gamma_limit)) {
-    decision.state = InjectorState::kLimited;
+    decision_.state = InjectorState::kLimited;
   } else {
     drive_gain_ = estimate.value[kDriveGain];
     rampTowards(estimate.value[kGamma1], estimate.value[kGamma2], period);
-    decision.state = InjectorState::kTracking;
+    decision_.state = InjectorState::kTracking;
   }
 
-  decision.session = session_;
-  decision.data_sequence = estimate.stamp.sequence;
-  decision.effective_sequence =
+  decision_.session = session_;
+  decision_.data_sequence = estimate.stamp.sequence;
+  decision_.effective_sequence =
       estimate.stamp.sequence + 1 + static_cast<std::uint64_t>(period_blocks_);
-  decision.gamma1 = gamma1_;
-  decision.gamma2 = gamma2_;
-  if (drive_gain_ > 0.0) {
-    decision.gains.gain1 = damping_ * gamma1_ / drive_gain_;
-    decision.gains.gain2 = damping_ * gamma2_ / drive_gain_;
-  }
-  return decision;
+  decision_.gamma1 = gamma1_;
+  decision_.gamma2 = gamma2_;
+  const double gain = drive_gain_ > 0.0 ? damping_ / drive_gain_ : 0.0;
+  decision_.gains = {gain * gamma1_, gain * gamma2_};
+  return decision_;
 }
 
 void CompensationInjector::reset() {

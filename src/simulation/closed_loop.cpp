@@ -20,23 +20,17 @@ LoopRecord ClosedLoop::step() {
 
   // The command that answers this block acts in the next one.
   const std::uint64_t acts_in = block.stamp.sequence + 1;
-  while (pending_count_ > 0 && pending_[first_pending_].effective_sequence <= acts_in) {
-    loops_.setCompensation(pending_[first_pending_].gains);
-    first_pending_ = 1 - first_pending_;
-    --pending_count_;
+  if (waiting_ != nullptr && waiting_->effective_sequence <= acts_in) {
+    loops_.setCompensation(waiting_->gains);
+    waiting_ = nullptr;
   }
   output_ = &loops_.process(block);
 
   const ParameterEstimate* const estimate = identifier_.process(output_->elements, output_->gains);
-  decision_.reset();
-  if (estimate != nullptr) {
-    decision_ = injector_.decide(*estimate);
-    if (compensation_) {
-      Pending& last = pending_[(first_pending_ + pending_count_++) % 2];
-      last = {decision_->effective_sequence, decision_->gains};
-    }
-  }
-  return {block, *output_, estimate, decision_, plant_, identifier_};
+  const CompensationDecision* const decision =
+      estimate != nullptr ? &injector_.decide(*estimate) : nullptr;
+  if (compensation_ && decision != nullptr) waiting_ = decision;
+  return {block, *output_, estimate, decision, plant_, identifier_};
 }
 
 double ClosedLoop::time() const {

@@ -79,7 +79,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
     const LoopRecord record = loop.step();
     if (recorder) recorder->write(record);
     if (record.estimate) summary.estimate = *record.estimate;
-    if (record.decision) summary.decision = record.decision;
+    if (record.decision) summary.decision = *record.decision;
     if (!summary.locked_after && record.loops.elements.status.locked()) {
       summary.locked_after = loop.time();
     }

@@ -57,7 +57,8 @@ class CompensationInjector {
   /// `period_blocks`: of the identifier. Throws std::invalid_argument naming what cannot be used.
   CompensationInjector(const InjectorParameters& parameters, std::int64_t period_blocks);
 
-  CompensationDecision decide(const ParameterEstimate& estimate);
+  /// The reference is good until the next call.
+  const CompensationDecision& decide(const ParameterEstimate& estimate);
 
   void setEnabled(bool enabled) { enabled_ = enabled; }
   void setHold(bool hold) { hold_ = hold; }
@@ -78,6 +79,7 @@ class CompensationInjector {
   double gamma1_ = 0.0;
   double gamma2_ = 0.0;
   double drive_gain_ = 0.0;  // that gamma1_ and gamma2_ are turned into gains with; 0: none yet
+  CompensationDecision decision_;
 };
 
 }  // namespace ring_gyro

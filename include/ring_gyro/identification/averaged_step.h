@@ -11,9 +11,10 @@ namespace ring_gyro {
 /// follow one another.
 template <typename Real>
 struct AveragedStep {
-  Real theta;  ///< measured, in the middle of the step [rad]
-  Real phi;
+  // theta and phi, written one by one, stand apart, lest they are read as two (pairs.h).
+  Real theta;                ///< measured, in the middle of the step [rad]
   Real pattern_rate;         ///< theta' [rad/s]
+  Real phi;                  ///< as theta [rad]
   Real reference_frequency;  ///< w [rad/s]
   // Mean envelope of the drive [V].
   Real x_real, x_imaginary, y_real, y_imaginary;

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <optional>
 
 #include "ring_gyro/compensation/compensation_injector.h"
 #include "ring_gyro/control/control_loops.h"
@@ -18,7 +15,7 @@ struct LoopRecord {
   const DisplacementBlock& displacement;
   const LoopOutput& loops;
   const ParameterEstimate* estimate;  ///< null but at the end of a period
-  const std::optional<CompensationDecision>& decision;
+  const CompensationDecision* decision;  ///< null but when there is an estimate
   const PlantSimulator& plant;
   const Identifier& identifier;  ///< has the covariance of the estimate
 
@@ -48,17 +45,10 @@ class ClosedLoop {
   bool compensation_;
   bool started_ = false;
   std::int64_t start_ns_;
-  // Waiting to act: a decision acts a period after its data, before the next but one is made.
-  struct Pending {
-    std::uint64_t effective_sequence = 0;
-    DampingCompensation gains;
-  };
-  std::array<Pending, 2> pending_;
-  std::size_t first_pending_ = 0;
-  std::size_t pending_count_ = 0;
+  // Has yet to act: it does so a period after its data, just before the next one is made.
+  const CompensationDecision* waiting_ = nullptr;
   std::int64_t end_ns_ = 0;  // of the last block
   const LoopOutput* output_ = nullptr;
-  std::optional<CompensationDecision> decision_;
 };
 
 }  // namespace ring_gyro
