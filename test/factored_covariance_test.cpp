@@ -10,7 +10,6 @@ namespace {
 
 using Vector = FactoredCovariance::Vector;
 using Matrix = FactoredCovariance::Matrix;
-using Numbers = FactoredCovariance::Numbers;
 
 Vector someVariances() {
   Vector variance;
@@ -18,11 +17,11 @@ Vector someVariances() {
   return variance;
 }
 
-constexpr Numbers kFirstRow = {3.0, -4.0, 2e3, 1e3, 2e-5};
-constexpr Numbers kSecondRow = {1.0, 5.0, -4e3, 2e3, -1e-5};
+const Vector kFirstRow = (Vector() << 3.0, -4.0, 2e3, 1e3, 2e-5).finished();
+const Vector kSecondRow = (Vector() << 1.0, 5.0, -4e3, 2e3, -1e-5).finished();
 
-Eigen::Map<const Vector> vectorOf(const Numbers& numbers) {
-  return Eigen::Map<const Vector>(numbers.data());
+ParameterRows rowsOf(const Vector& first, const Vector& second) {
+  return {ParameterLanes(first), ParameterLanes(second)};
 }
 
 /// Relative to the standard deviations.
@@ -32,38 +31,40 @@ double difference(const Full& covariance, const Full& expected) {
   return (scale.asDiagonal() * (covariance - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff();
 }
 
+const Square kNoise = {TwoLanes{0.01, 0.004}, TwoLanes{0.004, 0.02}};
+
 TEST(FactoredCovariance, MeasuresAsFullMatricesDo) {
   FactoredCovariance factored(someVariances());
   Matrix full = someVariances().asDiagonal();
   for (int n = 0; n < 5; ++n) {
-    Numbers first_row = kFirstRow;
-    first_row[static_cast<std::size_t>(n)] *= 1.7;  // other directions each time
+    Eigen::Matrix<double, 2, 5> rows;
+    rows << kFirstRow.transpose(), kSecondRow.transpose();
+    rows(0, n) *= 1.7;  // other directions each time
     FactoredCovariance next;
     const FactoredCovariance::Outcome outcome =
-        factored.measure(first_row, kSecondRow, 0.01, 0.02, 0.3, -0.2, next);
+        factored.measure(rowsOf(rows.row(0), rows.row(1)), kNoise, TwoLanes{0.3, -0.2}, next);
 
-    const Vector first = vectorOf(first_row);
-    const Vector second = vectorOf(kSecondRow);
-    const double variance = first.dot(full * first) + 0.01;
-    const double common = second.dot(full * first);
-    Vector gained = full * first * (0.3 / variance);
-    const double left = -0.2 - second.dot(gained);
-    full -= (full * first * first.transpose() * full / variance).eval();
-    const double second_variance = second.dot(full * second) + 0.02;
-    gained += full * second * (left / second_variance);
-    full -= (full * second * second.transpose() * full / second_variance).eval();
+    Eigen::Matrix2d noise;
+    noise << 0.01, 0.004, 0.004, 0.02;
+    const Eigen::Vector2d innovation(0.3, -0.2);
+    const Eigen::Matrix2d expected = rows * full * rows.transpose() + noise;
+    const Eigen::Matrix<double, 5, 2> gain = full * rows.transpose() * expected.inverse();
+    const Vector gained = gain * innovation;
+    full -= (gain * expected * gain.transpose()).eval();
 
-    EXPECT_NEAR(outcome.first_variance, variance, 1e-12 * variance);
-    EXPECT_NEAR(outcome.common, common, 1e-11 * variance);
-    EXPECT_NEAR(outcome.second_variance, second_variance, 1e-10 * second_variance);
-    EXPECT_NEAR(outcome.first_share, 0.3 / variance, 1e-11 / variance);
-    EXPECT_NEAR(outcome.second_innovation, left, 1e-11);
+    const Square& covariance = outcome.innovation_covariance;
+    const double scale = 1e-12 * expected.trace();
+    EXPECT_NEAR(covariance.first[0], expected(0, 0), scale);
+    EXPECT_NEAR(covariance.first[1], expected(1, 0), scale);
+    EXPECT_NEAR(covariance.second[0], expected(0, 1), scale);
+    EXPECT_NEAR(covariance.second[1], expected(1, 1), scale);
+    const double nis = innovation.dot(expected.inverse() * innovation);
+    EXPECT_NEAR(outcome.normalised_innovation_squared, nis, 1e-10 * nis);
     ASSERT_LT(difference<Matrix>(next.matrix(), full), 1e-10) << n;
     for (int k = 0; k < 5; ++k) {
-      EXPECT_NEAR(outcome.gained[static_cast<std::size_t>(k)], gained[k],
-                  1e-10 * std::sqrt(full(k, k)))
+      EXPECT_NEAR(outcome.gained.vector()[k], gained[k], 1e-10 * std::sqrt(full(k, k)))
           << n << " " << k;
-      EXPECT_NEAR(next.variance()[k], full(k, k), 1e-10 * full(k, k));
+      EXPECT_NEAR(next.variance().vector()[k], full(k, k), 1e-10 * full(k, k));
     }
     factored = next;
   }
@@ -74,15 +75,14 @@ TEST(FactoredCovariance, MeasuresAsFullMatricesDo) {
 TEST(FactoredCovariance, AddsNoiseThatDependentQuantitiesDoNotShare) {
   FactoredCovariance factored;
   FactoredCovariance(someVariances())
-      .measure(kFirstRow, kSecondRow, 0.01, 0.02, 0.0, 0.0, factored);
-  FactoredCovariance::Regression regression;
-  for (std::size_t k = 0; k < 5; ++k) regression[k] = TwoLanes{kFirstRow[k], -2.0 * kSecondRow[k]};
+      .measure(rowsOf(kFirstRow, kSecondRow), kNoise, TwoLanes{}, factored);
+  ParameterRows regression = rowsOf(kFirstRow, -2.0 * kSecondRow);
   Eigen::Matrix2d conditional;
   conditional << 0.05, 0.02, 0.02, 0.04;
   using Full = Eigen::Matrix<double, 7, 7>;
   const auto fullOf = [&] {
     Eigen::Matrix<double, 2, 5> slope;
-    for (int k = 0; k < 5; ++k) slope.col(k) << regression[k][0], regression[k][1];
+    slope << regression.first.vector().transpose(), regression.second.vector().transpose();
     Full full;
     full << conditional + slope * factored.matrix() * slope.transpose(), slope * factored.matrix(),
         (slope * factored.matrix()).transpose(), factored.matrix();
@@ -109,7 +109,7 @@ TEST(FactoredCovariance, AddsNoiseThatDependentQuantitiesDoNotShare) {
 
 TEST(FactoredCovariance, AddsNoiseToWhatIsKnownExactly) {
   FactoredCovariance factored(Vector::Zero());
-  FactoredCovariance::Regression regression = {};
+  ParameterRows regression;
   factored.add(4.0, Vector::Unit(2), regression);
   EXPECT_EQ(factored.matrix(), Matrix(4.0 * Vector::Unit(2) * Vector::Unit(2).transpose()));
 }
@@ -118,13 +118,13 @@ TEST(FactoredCovariance, AddsNoiseToWhatIsKnownExactly) {
 TEST(FactoredCovariance, StaysPositiveHoweverPreciseTheMeasurement) {
   FactoredCovariance factored(someVariances());
   for (int n = 0; n < 100; ++n) {
-    Numbers row = kFirstRow;
-    row[static_cast<std::size_t>(n % 5)] *= 3.0;
+    Vector row = kFirstRow;
+    row[n % 5] *= 3.0;
     FactoredCovariance next;
-    factored.measure(row, kSecondRow, 1e-24, 1e-24, 0.0, 0.0, next);
+    factored.measure(rowsOf(row, kSecondRow), diagonal(1e-24, 1e-24), TwoLanes{}, next);
     factored = next;
     ASSERT_TRUE(std::isfinite(factored.sum()));
-    for (int k = 0; k < 5; ++k) ASSERT_GT(factored.variance()[k], 0.0) << n << " " << k;
+    for (int k = 0; k < 5; ++k) ASSERT_GT(factored.variance().vector()[k], 0.0) << n << " " << k;
   }
 }
 

@@ -18,6 +18,12 @@ Eigen::Matrix2d matrixOf(const Square& matrix) {
   return result;
 }
 
+Eigen::Matrix<double, 2, 5> matrixOf(const ParameterRows& rows) {
+  Eigen::Matrix<double, 2, 5> result;
+  result << rows.first.vector().transpose(), rows.second.vector().transpose();
+  return result;
+}
+
 AxesDynamics<double> dynamicsAt(const AveragedModel& model, const Orbit& orbit,
                                 const AveragedInput& input) {
   return {model.decayRate(), model.angularFrequency(), averagedStep(orbit.theta, orbit.phi, input)};
@@ -90,12 +96,13 @@ AxesRates AveragedModel::axesRates(const Orbit& orbit, const DeviceParameters& d
   const TwoLanes axes = {orbit.a, orbit.b};
   const TwoLanes by_gamma = rates.byGamma(axes);
   const TwoLanes by_mu = rates.byMu(axes);
+  const ParameterRows by_parameters = {rates.row(by_gamma[0], by_mu[0], rates.force[0]),
+                                       rates.row(by_gamma[1], by_mu[1], rates.force[1])};
   AxesRates result;
   result.rate = vectorOf(rates.rate(axes));
   result.by_axes = matrixOf(rates.by_axes);
   result.by_angles = matrixOf(rates.byAngles(axes));
-  result.by_parameters << vectorOf(dynamics.cosine * by_gamma), vectorOf(dynamics.sine * by_gamma),
-      vectorOf(-dynamics.sine * by_mu), vectorOf(dynamics.cosine * by_mu), vectorOf(rates.force);
+  result.by_parameters = matrixOf(by_parameters);
   return result;
 }
 
@@ -108,7 +115,7 @@ AxesStep AveragedModel::axesStep(const Orbit& orbit, const DeviceParameters& dev
   step.axes = vectorOf(pairs.axes);
   step.by_axes = matrixOf(pairs.by_axes);
   step.rate_by_angles = matrixOf(pairs.rate_by_angles);
-  for (int k = 0; k < 5; ++k) step.by_parameters.col(k) = vectorOf(pairs.by_parameters[k]);
+  step.by_parameters = matrixOf(pairs.by_parameters);
   return step;
 }
 

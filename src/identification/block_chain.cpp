@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ring_gyro/common/pairs.h"
 #include "ring_gyro/common/vector_dispatch.h"
 #include "ring_gyro/identification/averaged_model.h"
 
@@ -25,20 +26,20 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
                        double rotation_rate) {
   const BlockStamp& stamp = elements.stamp;
   const Orbit& orbit = elements.orbit;
-  const Eigen::Vector2cd drive = gains.drive.total();
-  const double x_real = drive.x().real(), x_imaginary = drive.x().imag();
-  const double y_real = drive.y().real(), y_imaginary = drive.y().imag();
-  const double magnitude =
-      ((std::abs(orbit.a) + std::abs(orbit.theta)) +
-       (std::abs(orbit.phi) + std::abs(elements.group_delay))) +
-      ((std::abs(x_real) + std::abs(x_imaginary)) + (std::abs(y_real) + std::abs(y_imaginary))) +
-      ((std::abs(gains.reference_phase) + gains.reference_frequency) + std::abs(rotation_rate)) +
-      (std::abs(gains.compensation.gain1) + std::abs(gains.compensation.gain2));
-  const bool usable = gains.stamp.session == stamp.session &&
-                      gains.stamp.sequence == stamp.sequence && stamp.end_ns > 0 &&
-                      stamp.duration_ns == block_duration_ns_ && elements.status.usable() &&
-                      gains.status.usable() && std::abs(orbit.b) < orbit.a &&
-                      gains.reference_frequency > 0.0 && magnitude < kLimit;  // false for NaN
+  const Eigen::Vector2cd total = gains.drive.total();
+  const TwoLanes x = {total.x().real(), total.x().imag()};
+  const TwoLanes y = {total.y().real(), total.y().imag()};
+  const TwoLanes magnitudes =
+      (magnitude(TwoLanes{orbit.a, orbit.b}) + magnitude(TwoLanes{orbit.theta, orbit.phi})) +
+      (magnitude(x) + magnitude(y)) +
+      (magnitude(TwoLanes{gains.reference_frequency, gains.reference_phase}) +
+       magnitude(TwoLanes{gains.compensation.gain1, gains.compensation.gain2})) +
+      magnitude(TwoLanes{elements.group_delay, rotation_rate});
+  const bool usable =
+      gains.stamp.session == stamp.session && gains.stamp.sequence == stamp.sequence &&
+      stamp.end_ns > 0 && stamp.duration_ns == block_duration_ns_ && elements.status.usable() &&
+      gains.status.usable() && std::abs(orbit.b) < orbit.a && gains.reference_frequency > 0.0 &&
+      magnitudes[0] + magnitudes[1] < kLimit;  // false for NaN
   if (!usable) {
     usable_run_ = 0;
     return false;
@@ -56,10 +57,10 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
   memory_[kMinor][at] = orbit.b;
   memory_[kTheta][at] = orbit.theta;
   memory_[kPhi][at] = orbit.phi;
-  memory_[kXReal][at] = x_real;
-  memory_[kXImaginary][at] = x_imaginary;
-  memory_[kYReal][at] = y_real;
-  memory_[kYImaginary][at] = y_imaginary;
+  memory_[kXReal][at] = x[0];
+  memory_[kXImaginary][at] = x[1];
+  memory_[kYReal][at] = y[0];
+  memory_[kYImaginary][at] = y[1];
   memory_[kPhase][at] = gains.reference_phase;
   memory_[kFrequency][at] = gains.reference_frequency;
   memory_[kRotation][at] = rotation_rate;

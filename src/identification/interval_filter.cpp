@@ -2,25 +2,19 @@
 
 #include <cmath>
 
-#include "ring_gyro/common/unrolled.h"
 #include "ring_gyro/common/vector_dispatch.h"
 
 namespace ring_gyro {
 namespace {
 
-constexpr int kParameters = FactoredCovariance::kSize;
-
 TwoLanes pairOf(const Eigen::Vector2d& vector) { return TwoLanes{vector[0], vector[1]}; }
 
-/// Written in pairs, as Eigen reads it (pairs.h).
-template <typename Parameters>
-StateVector stateOf(const TwoLanes& axes, const Parameters& parameters) {
-  static_assert(kParameters == 5);
+/// Written as Eigen reads it (pairs.h).
+StateVector stateOf(const TwoLanes& axes, const ParameterLanes& parameters) {
   StateVector state;
   store(axes, state.data());
-  store(TwoLanes{parameters[0], parameters[1]}, state.data() + 2);
-  store(TwoLanes{parameters[2], parameters[3]}, state.data() + 4);
-  state[6] = parameters[4];
+  store(parameters.mismatch, state.data() + 2);
+  state[6] = parameters.drive_gain;
   return state;
 }
 
@@ -30,13 +24,6 @@ TwoLanes squaresOf(const AxesDynamics<double>& dynamics) {
   return TwoLanes{dynamics.along_real * dynamics.along_real +
                       dynamics.across_imaginary * dynamics.across_imaginary,
                   dynamics.along_real * dynamics.across_imaginary};
-}
-
-TwoLanes product(const FactoredCovariance::Regression& regression,
-                 const std::array<double, kParameters>& parameters) {
-  TwoLanes sum = regression[0] * parameters[0];
-  unrolled<1, kParameters>([&](auto k) { sum += regression[k] * parameters[k]; });
-  return sum;
 }
 
 }  // namespace
@@ -51,9 +38,9 @@ void IntervalFilter::initialise(const StateVector& value, const StateVector& sig
   drive_gain_scale_ = value[kDriveGain];
   Belief& belief = beliefs_[present_];
   belief.axes = pairOf(value.head<2>());
-  for (int k = 0; k < kParameters; ++k) belief.parameters[k] = value[2 + k];
+  belief.parameters = ParameterLanes(value.tail<5>());
   belief.covariance = FactoredCovariance(ParameterVector(sigma.tail<5>().cwiseAbs2()));
-  belief.regression.fill(TwoLanes{});
+  belief.regression = {};
   belief.conditional = diagonal(sigma[kA] * sigma[kA], sigma[kB] * sigma[kB]);
   variance_growth_ = walk.cwiseAbs2();
   walks_ = !variance_growth_.isZero(0.0);
@@ -64,7 +51,7 @@ void IntervalFilter::initialise(const StateVector& value, const StateVector& sig
 void IntervalFilter::restartAxes(const Eigen::Vector2d& axes, double sigma) {
   Belief& belief = beliefs_[present_];
   belief.axes = pairOf(axes);
-  belief.regression.fill(TwoLanes{});
+  belief.regression = {};
   belief.conditional = diagonal(sigma * sigma, sigma * sigma);
   abandon();
 }
@@ -76,8 +63,8 @@ void IntervalFilter::abandon() {
 }
 
 inline DeviceParameters IntervalFilter::device() const {
-  const Parameters& p = present().parameters;
-  return {p[0], p[1], p[2], p[3], p[4]};
+  const FourLanes& mismatch = present().parameters.mismatch;
+  return {mismatch[0], mismatch[1], mismatch[2], mismatch[3], present().parameters.drive_gain};
 }
 
 bool IntervalFilter::isLinearOver(double duration, int samples, double reference_frequency) const {
@@ -118,36 +105,36 @@ RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::steps(
     const Lanes& measured_b) {
   const AxesDynamics<Lanes> dynamics(model_.decayRate(), model_.angularFrequency(), steps);
   const AxesTransition<Lanes> each = dynamics.transition(device(), duration);
-  const Lanes square = dynamics.along_real * dynamics.along_real +
-                       dynamics.across_imaginary * dynamics.across_imaginary;
-  const Lanes cross = dynamics.along_real * dynamics.across_imaginary;
   if (samples_ == 0) start();
-  AxesDynamics<double> sum = {};
-  sum.decay = dynamics.decay;
-  double square_sum = 0.0, cross_sum = 0.0;
+  const Lanes a_kept = 1.0 + each.aa;
+  const Lanes b_kept = 1.0 + each.bb;
   double a = axes_[0], b = axes_[1];
   double a_predicted = 0.0, b_predicted = 0.0;
-  double a_measured = 0.0, b_measured = 0.0;
 // Short code counts: it is run once in several blocks, and then comes from far.
 #pragma GCC unroll 1
   for (int k = 0; k < count; ++k) {
-    const double a_change = (each.aa[k] * a + each.ab[k] * b) + each.a_force[k];
-    const double b_change = (each.ba[k] * a + each.bb[k] * b) + each.b_force[k];
-    a += a_change;
-    b += b_change;
+    // In this order a step waits for as little as can be of the one before.
+    const double a_before = a;
+    a = a_kept[k] * a + (each.ab[k] * b + each.a_force[k]);
+    b = b_kept[k] * b + (each.ba[k] * a_before + each.b_force[k]);
     a_predicted += a;
     b_predicted += b;
-    a_measured += measured_a[k];
-    b_measured += measured_b[k];
-    sum.add(dynamics, static_cast<std::size_t>(k));
-    square_sum += square[k];
-    cross_sum += cross[k];
   }
+
+  using Whole = WholeLanes<Lanes>::Type;
+  const Whole counted = Whole{0, 1, 2, 3, 4, 5, 6, 7} < Whole{} + static_cast<std::uint64_t>(count);
+  const auto sum = [&counted](const Lanes& lanes) {
+    return sumOf((Lanes)((Whole)lanes & counted));
+  };
   const double share = 1.0 / count;
-  advance(sum.times(share), share * TwoLanes{square_sum, cross_sum}, count, duration);
+  const auto mean = [&](const Lanes& lanes) { return share * sum(lanes); };
+  const TwoLanes mean_squares = {mean(dynamics.along_real * dynamics.along_real +
+                                      dynamics.across_imaginary * dynamics.across_imaginary),
+                                 mean(dynamics.along_real * dynamics.across_imaginary)};
+  advance(AxesDynamics<double>(dynamics, mean), mean_squares, count, duration);
   axes_ = TwoLanes{a, b};
   predicted_sum_ += TwoLanes{a_predicted, b_predicted};
-  measured_sum_ += TwoLanes{a_measured, b_measured};
+  measured_sum_ += TwoLanes{sum(measured_a), sum(measured_b)};
 }
 
 void IntervalFilter::start() {
@@ -197,12 +184,10 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN TwoLanes IntervalFilter::advance(
   const Square to_sum = 0.5 * (n + 1.0) * transition + diagonal(0.5 * (n - 1.0), 0.5 * (n - 1.0));
   sensitivity_sum_.by_axes = sensitivity_sum_.by_axes + to_sum * sensitivity_.by_axes;
   sensitivity_.by_axes = transition * sensitivity_.by_axes;
-  for (int k = 0; k < kParameters; ++k) {
-    TwoLanes& by_parameter = sensitivity_.by_parameters[k];
-    sensitivity_sum_.by_parameters[k] +=
-        to_sum * by_parameter + 0.5 * (n + 1.0) * step.by_parameters[k];
-    by_parameter = transition * by_parameter + step.by_parameters[k];
-  }
+  sensitivity_sum_.by_parameters = sensitivity_sum_.by_parameters +
+                                   to_sum * sensitivity_.by_parameters +
+                                   0.5 * (n + 1.0) * step.by_parameters;
+  sensitivity_.by_parameters = transition * sensitivity_.by_parameters + step.by_parameters;
   gatherNoise(transition, to_sum, noise, n);
   return step.axes;
 }
@@ -219,10 +204,10 @@ inline void IntervalFilter::gatherNoise(const Square& transition, const Square& 
 
   // Noise of each step goes on to the end and to the samples from its own on: how often, and
   // through how many steps on the mean, to first order in what they do.
-  const Square per_step = (1.0 / n) * (transition - diagonal(1.0, 1.0));
+  const Square moved = (1.0 / n) * ((transition - diagonal(1.0, 1.0)) * noise);
+  const Square moved_back = transposed(moved);
   const auto passed = [&](double steps, double other_steps) {
-    return (diagonal(1.0, 1.0) + steps * per_step) * noise *
-           transposed(diagonal(1.0, 1.0) + other_steps * per_step);
+    return noise + steps * moved + other_steps * moved_back;
   };
   const double left = n - 1.0;
   const double pairs = 0.5 * n * (n + 1.0);
@@ -258,56 +243,39 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN const IntervalUpdate& IntervalFilter::s
 }
 
 /// What is measured of the axes tells of the parameters, on which it depends by `regression`, given
-/// them with covariance `conditional`, noise and all. The two axes are taken one after the other,
-/// the second less what it has in common with the first. Gives what the parameters gain.
-inline IntervalFilter::Parameters IntervalFilter::measureParameters(
-    const Regression& regression, const Square& conditional, const TwoLanes& innovation,
-    const FactoredCovariance& covariance, FactoredCovariance& next) {
-  const double shared = conditional.second[0] / conditional.first[0];
-  Parameters row, second_row;
-  unrolled<0, kParameters>([&](auto k) {
-    row[k] = regression[k][0];
-    second_row[k] = regression[k][1] - shared * row[k];
-  });
-  const FactoredCovariance::Outcome outcome = covariance.measure(
-      row, second_row, conditional.first[0], conditional.second[1] - shared * conditional.second[0],
-      innovation[0], innovation[1] - shared * innovation[0], next);
-  const double a_variance = outcome.first_variance;
-  const double cross = shared * a_variance + outcome.common;
+/// them with covariance `conditional`, noise and all. Gives what the parameters gain.
+inline ParameterLanes IntervalFilter::measureParameters(const ParameterRows& regression,
+                                                        const Square& conditional,
+                                                        const TwoLanes& innovation,
+                                                        FactoredCovariance& next) {
+  const FactoredCovariance::Outcome outcome =
+      present().covariance.measure(regression, conditional, innovation, next);
   store(innovation, update_.innovation.data());
-  store(TwoLanes{a_variance, cross}, update_.innovation_covariance.data());
-  store(TwoLanes{cross, outcome.second_variance + cross * cross / a_variance},
-        update_.innovation_covariance.data() + 2);
-  update_.normalised_innovation_squared =
-      innovation[0] * outcome.first_share +
-      outcome.second_innovation * outcome.second_innovation / outcome.second_variance;
+  store(outcome.innovation_covariance.first, update_.innovation_covariance.data());
+  store(outcome.innovation_covariance.second, update_.innovation_covariance.data() + 2);
+  update_.normalised_innovation_squared = outcome.normalised_innovation_squared;
   return outcome.gained;
 }
 
 /// What the axes are to depend on the parameters by, after the start's state has been passed on.
-inline IntervalFilter::Regression IntervalFilter::passedOn(const Square& by_axes,
-                                                           const Regression& by_parameters) const {
-  Regression result;
-  unrolled<0, kParameters>(
-      [&](auto k) { result[k] = by_axes * present().regression[k] + by_parameters[k]; });
-  return result;
+inline ParameterRows IntervalFilter::passedOn(const Square& by_axes,
+                                              const ParameterRows& by_parameters) const {
+  return by_axes * present().regression + by_parameters;
 }
 
 /// The step's end is what is measured.
 inline void IntervalFilter::measureStep(const AxesStepPairs& step, const Square& noise,
                                         const TwoLanes& innovation, Belief& next) {
-  const Regression regression = passedOn(step.by_axes, step.by_parameters);
+  const ParameterRows regression = passedOn(step.by_axes, step.by_parameters);
   const Square known = step.by_axes * (present().conditional * transposed(step.by_axes)) + noise;
   const Square conditional = known + diagonal(noise_.sample_variance, noise_.sample_variance);
-  const Parameters gained =
-      measureParameters(regression, conditional, innovation, present().covariance, next.covariance);
+  const ParameterLanes gained =
+      measureParameters(regression, conditional, innovation, next.covariance);
 
   // Of the axes given the parameters; the gain is 1 - rest.
   const Square rest = noise_.sample_variance * inverse(conditional);
-  unrolled<0, kParameters>([&](auto k) {
-    next.regression[k] = rest * regression[k];
-    next.parameters[k] = present().parameters[k] + gained[k];
-  });
+  next.regression = rest * regression;
+  next.parameters = present().parameters + gained;
   next.conditional = symmetric(known * rest);
   next.axes = (step.axes + (innovation - rest * innovation)) + product(next.regression, gained);
 }
@@ -317,28 +285,22 @@ void IntervalFilter::measureMean(Belief& next) {
   const double variance = share * noise_.sample_variance;
   const Square& to_end = sensitivity_.by_axes;
   const Square to_mean = share * sensitivity_sum_.by_axes;
-  Regression by_parameters;
-  for (int k = 0; k < kParameters; ++k) {
-    by_parameters[k] = share * sensitivity_sum_.by_parameters[k];
-  }
-  const Regression of_end = passedOn(to_end, sensitivity_.by_parameters);
-  const Regression of_mean = passedOn(to_mean, by_parameters);
+  const ParameterRows of_end = passedOn(to_end, sensitivity_.by_parameters);
+  const ParameterRows of_mean = passedOn(to_mean, share * sensitivity_sum_.by_parameters);
   const Square cross_noise = share * noise_end_sum_;
   const Square mean_noise = share * share * noise_sum_ + diagonal(variance, variance);
   const Square start_with_mean = present().conditional * transposed(to_mean);
   const Square conditional = symmetric(to_mean * start_with_mean + mean_noise);
   const TwoLanes innovation = share * (measured_sum_ - predicted_sum_);
-  const Parameters gained =
-      measureParameters(of_mean, conditional, innovation, present().covariance, next.covariance);
+  const ParameterLanes gained =
+      measureParameters(of_mean, conditional, innovation, next.covariance);
 
   // Of the axes given the parameters, as a sum of what cannot be negative (Joseph).
   const Square gain = (to_end * start_with_mean + cross_noise) * inverse(conditional);
   const Square rest = to_end - gain * to_mean;
   const Square mixed = gain * transposed(cross_noise);
-  for (int k = 0; k < kParameters; ++k) {
-    next.regression[k] = of_end[k] - gain * of_mean[k];
-    next.parameters[k] = present().parameters[k] + gained[k];
-  }
+  next.regression = of_end - gain * of_mean;
+  next.parameters = present().parameters + gained;
   next.conditional =
       symmetric(rest * (present().conditional * transposed(rest)) + noise_end_ -
                 (mixed + transposed(mixed)) + gain * (mean_noise * transposed(gain)));
@@ -347,12 +309,11 @@ void IntervalFilter::measureMean(Belief& next) {
 
 /// Makes the next belief the present one unless a number in it is not finite, and starts the next
 /// interval. `shown`: what the measurement has shown of the parameters.
-inline void IntervalFilter::keep(const Regression& shown) {
+inline void IntervalFilter::keep(const ParameterRows& shown) {
   Belief& next = beliefs_[1 - present_];
-  TwoLanes sum = next.axes;
-  unrolled<0, kParameters>([&](auto k) { sum += next.regression[k] * next.parameters[k]; });
+  const ParameterLanes sum = next.parameters + (next.regression.first + next.regression.second);
   update_.accepted = std::isfinite(
-      (sum[0] + sum[1]) +
+      sumOf(sum) + (next.axes[0] + next.axes[1]) +
       (next.conditional.first[0] + next.conditional.first[1] + next.conditional.second[1]) +
       (update_.innovation_covariance.sum() + update_.normalised_innovation_squared +
        next.covariance.sum()));
@@ -369,7 +330,7 @@ inline void IntervalFilter::keep(const Regression& shown) {
 }
 
 RING_GYRO_NOT_INLINE void IntervalFilter::walk(Belief& belief) const {
-  for (int k = 0; k < kParameters; ++k) {
+  for (int k = 0; k < variance_growth_.size(); ++k) {
     addTo(belief, elapsed_ * variance_growth_[k], ParameterVector::Unit(k));
   }
 }
@@ -377,11 +338,10 @@ RING_GYRO_NOT_INLINE void IntervalFilter::walk(Belief& belief) const {
 /// Directional forgetting (Kulhavy): the covariance grows along P h, where the interval's
 /// measurement h has just made it smaller, and nowhere else. What the data do not show, as with a
 /// pattern at rest, stays as well known as it was.
-RING_GYRO_NOT_INLINE void IntervalFilter::forget(const Regression& shown, Belief& belief) const {
+RING_GYRO_NOT_INLINE void IntervalFilter::forget(const ParameterRows& shown, Belief& belief) const {
   const double growth = std::expm1(elapsed_ / memory_time_);
-  for (int axis = 0; axis < 2; ++axis) {
-    ParameterVector row;
-    for (int k = 0; k < kParameters; ++k) row[k] = shown[k][axis];
+  for (const ParameterLanes& lanes : {shown.first, shown.second}) {
+    const ParameterVector row = lanes.vector();
     const ParameterVector direction = belief.covariance.matrix() * row;
     const double variance = row.dot(direction);
     if (variance > 0.0) addTo(belief, growth / variance, direction);
@@ -397,12 +357,11 @@ void IntervalFilter::addTo(Belief& belief, double weight, const ParameterVector&
 StateVector IntervalFilter::value() const { return stateOf(present().axes, present().parameters); }
 
 StateMatrix IntervalFilter::covariance() const {
-  Eigen::Matrix<double, 2, kParameters> regression;
-  for (int k = 0; k < kParameters; ++k) {
-    regression.col(k) << present().regression[k][0], present().regression[k][1];
-  }
+  Eigen::Matrix<double, 2, 5> regression;
+  regression << present().regression.first.vector().transpose(),
+      present().regression.second.vector().transpose();
   const FactoredCovariance::Matrix parameters = present().covariance.matrix();
-  const Eigen::Matrix<double, 2, kParameters> cross = regression * parameters;
+  const Eigen::Matrix<double, 2, 5> cross = regression * parameters;
   StateMatrix result;
   result << cross * regression.transpose(), cross, cross.transpose(), parameters;
   result(kA, kB) += present().conditional.second[0];

@@ -23,6 +23,10 @@ struct WholeLanes<Lanes> {
   using Type = std::uint64_t __attribute__((vector_size(64)));
 };
 template <>
+struct WholeLanes<TwoLanes> {
+  using Type = std::uint64_t __attribute__((vector_size(16)));
+};
+template <>
 struct WholeLanes<FourLanes> {
   using Type = std::uint64_t __attribute__((vector_size(32)));
 };

@@ -7,6 +7,12 @@ namespace ring_gyro {
 // Algebra of two numbers, such as what belongs to a and b, in one register. Eigen writes them one
 // by one and reads them as two, for which a processor waits as long as for a division.
 
+inline TwoLanes magnitude(const TwoLanes& pair) {
+  using Whole = typename WholeLanes<TwoLanes>::Type;
+  const Whole sign = Whole{} + (std::uint64_t{1} << 63);
+  return (TwoLanes)((Whole)pair & ~sign);
+}
+
 /// A 2x2 matrix by columns.
 struct Square {
   TwoLanes first = {};

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <array>
-
 #include "ring_gyro/common/lanes.h"
 #include "ring_gyro/common/pairs.h"
 #include "ring_gyro/common/sine_cosine.h"
 #include "ring_gyro/identification/averaged_step.h"
+#include "ring_gyro/identification/parameter_lanes.h"
 
 namespace ring_gyro {
 
@@ -66,8 +65,6 @@ struct AxesDynamics {
   // E F1 / (2 w) and E F2 / (2 w) with [F1; F2] = R(-theta) F, E = e^{-i phi} [V s].
   Real along_real, along_imaginary, across_real, across_imaginary;
 
-  AxesDynamics() = default;
-
   /// `angular_frequency`: w0 of the ideal ring [rad/s].
   AxesDynamics(double decay_rate, double angular_frequency, const AveragedStep<Real>& step)
       : decay(decay_rate) {
@@ -103,26 +100,18 @@ struct AxesDynamics {
     across_imaginary = er * across_i + ei * across_r;
   }
 
-  /// Adds one `lane` of `steps`.
-  void add(const AxesDynamics<Lanes>& steps, std::size_t lane) {
-    coupling += steps.coupling[lane];
-    turning += steps.turning[lane];
-    cosine += steps.cosine[lane];
-    sine += steps.sine[lane];
-    along_real += steps.along_real[lane];
-    along_imaginary += steps.along_imaginary[lane];
-    across_real += steps.across_real[lane];
-    across_imaginary += steps.across_imaginary[lane];
-  }
-  /// All but the decay times `share`: of a sum of so many, the mean.
-  AxesDynamics times(double share) const {
-    AxesDynamics mean = *this;
-    for (Real* number : {&mean.coupling, &mean.turning, &mean.cosine, &mean.sine, &mean.along_real,
-                         &mean.along_imaginary, &mean.across_real, &mean.across_imaginary}) {
-      *number *= share;
-    }
-    return mean;
-  }
+  /// Of several `steps` at once: what `mean` makes of the lanes of each number.
+  template <typename Mean>
+  AxesDynamics(const AxesDynamics<Lanes>& steps, const Mean& mean)
+      : decay(steps.decay),
+        coupling(mean(steps.coupling)),
+        turning(mean(steps.turning)),
+        cosine(mean(steps.cosine)),
+        sine(mean(steps.sine)),
+        along_real(mean(steps.along_real)),
+        along_imaginary(mean(steps.along_imaginary)),
+        across_real(mean(steps.across_real)),
+        across_imaginary(mean(steps.across_imaginary)) {}
 
   AxesMatrix<Real> matrix(const DeviceParameters& device) const {
     const Real gamma = device.gamma1 * cosine + device.gamma2 * sine;
@@ -153,10 +142,10 @@ struct AxesDynamics {
 
 /// (a, b) after a midpoint step, and the derivatives of exactly that step, row 0: a, row 1: b.
 struct AxesStepPairs {
-  TwoLanes axes;                          ///< [V]
-  Square by_axes;                         ///< with respect to (a, b) before the step
-  Square rate_by_angles;                  ///< of the rate, with respect to (theta, phi)
-  std::array<TwoLanes, 5> by_parameters;  ///< with respect to gamma1, gamma2, mu1, mu2, ks
+  TwoLanes axes;          ///< [V]
+  Square by_axes;         ///< with respect to (a, b) before the step
+  Square rate_by_angles;  ///< of the rate, with respect to (theta, phi)
+  ParameterRows by_parameters;
 };
 
 /// Rates of (a, b), equations (16)(17): linear in (a, b), in the parameters and in the drive.
@@ -206,16 +195,21 @@ struct AxesRatePairs {
     const Square change = {ofStep(by_axes.first, by_axes.first),
                            ofStep(by_axes.second, by_axes.second)};
     result.by_axes = change + diagonal(1.0, 1.0);
-    result.by_parameters[4] = ofStep(force, force);
-    result.axes = axes + (change * axes + device.drive_gain * result.by_parameters[4]);
+    const TwoLanes by_drive_gain = ofStep(force, force);
+    result.axes = axes + (change * axes + device.drive_gain * by_drive_gain);
     const TwoLanes by_gamma = ofStep(byGamma(middle), byGamma(axes));
     const TwoLanes by_mu = ofStep(byMu(middle), byMu(axes));
-    result.by_parameters[0] = at.cosine * by_gamma;
-    result.by_parameters[1] = at.sine * by_gamma;
-    result.by_parameters[2] = -at.sine * by_mu;
-    result.by_parameters[3] = at.cosine * by_mu;
+    result.by_parameters = {row(by_gamma[0], by_mu[0], by_drive_gain[0]),
+                            row(by_gamma[1], by_mu[1], by_drive_gain[1])};
     result.rate_by_angles = byAngles(axes);
     return result;
+  }
+
+  /// The parameters, given what is known of gamma along the axes and of mu across them.
+  ParameterLanes row(double by_gamma, double by_mu, double by_drive_gain) const {
+    return {FourLanes{at.cosine, at.sine, -at.sine, at.cosine} *
+                FourLanes{by_gamma, by_gamma, by_mu, by_mu},
+            by_drive_gain};
   }
 
  private:

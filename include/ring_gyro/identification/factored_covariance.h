@@ -1,11 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cmath>
 
 #include "ring_gyro/common/lanes.h"
+#include "ring_gyro/common/pairs.h"
 #include "ring_gyro/common/unrolled.h"
+#include "ring_gyro/identification/parameter_lanes.h"
 
 namespace ring_gyro {
 
@@ -16,45 +17,45 @@ class FactoredCovariance {
   static constexpr int kSize = 5;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  /// Of two other quantities on the parameters, by columns.
-  using Regression = std::array<TwoLanes, kSize>;
 
   FactoredCovariance() = default;
 
   /// Parameters that are correlated with nothing.
-  explicit FactoredCovariance(const Vector& variance) : diagonal_(variance) {
-    for (double& element : upper_) element = 0.0;
+  explicit FactoredCovariance(const Vector& variance) {
+    for (int j = 0; j < kSize; ++j) diagonal_[j] = variance[j];
+    for (int j = 1; j < kSize; ++j) {
+      column(j) = FourLanes{};
+      if (j < 4) column(j)[j] = 1.0;
+    }
   }
 
-  using Numbers = std::array<double, kSize>;
-
-  /// What two measurements with independent noise brought about.
+  /// What two measurements brought about.
   struct Outcome {
-    double first_variance;     ///< of the first, noise and all, before
-    double second_variance;    ///< of the second, after the first
-    double common;             ///< covariance of the two, before
-    double first_share;        ///< first innovation over its variance
-    double second_innovation;  ///< that of the second which the first does not explain
-    Numbers gained;            ///< by the parameters
+    Square innovation_covariance;  ///< noise and all
+    double normalised_innovation_squared;
+    ParameterLanes gained;  ///< by the parameters
   };
 
-  /// Measures first_row * parameters, then second_row * parameters, with these innovations and
-  /// noise variances above zero, after Bierman. Both go through the factors as they were, and what
-  /// the first does to the second is added (in the coordinates of U it is one number a column):
-  /// so the second does not wait until the first has been through the factors. `next`: the
-  /// covariance after both, another object.
-  Outcome measure(const Numbers& first_row, const Numbers& second_row, double first_noise,
-                  double second_noise, double first_innovation, double second_innovation,
+  /// Measures rows * parameters with these innovations and covariance `noise`, after Bierman: the
+  /// first, then the second less what its noise has in common with that of the first. Both go
+  /// through the factors as they were, and what the first does to the second is added (in the
+  /// coordinates of U it is one number a column): so the second does not wait until the first has
+  /// been through the factors. `next`: the covariance after both, another object.
+  Outcome measure(const ParameterRows& rows, const Square& noise, const TwoLanes& innovation,
                   FactoredCovariance& next) const {
-    double first[kSize], second[kSize];                // U' row
+    const double first_noise = noise.first[0];
+    const double shared = noise.second[0] / first_noise;
+    const double second_noise = noise.second[1] - shared * noise.second[0];
+    double first[kSize], second[kSize];  // U' row
+    timesUpper(rows.first, first);
+    timesUpper(rows.second, second);
     double first_spread[kSize], second_spread[kSize];  // D U' row
     double first_step[kSize], second_step[kSize];      // what each column takes of those before it
     double diagonal[kSize];
     double common[kSize + 1];
     double variance[kSize + 1];
     unrolled<0, kSize>([&](auto j) {
-      first[j] = timesColumn<j>(first_row);
-      second[j] = timesColumn<j>(second_row);
+      second[j] -= shared * first[j];
       first_spread[j] = diagonal_[j] * first[j];
     });
     runningSums(first_noise, first_spread, first, variance);
@@ -67,38 +68,37 @@ class FactoredCovariance {
       second[j] += first_step[j] * common[j];
       second_spread[j] = diagonal[j] * second[j];
     });
-    Outcome outcome;
-    outcome.first_variance = variance[kSize];
-    outcome.common = common[kSize];
-    outcome.first_share = first_innovation * inverse;
-    outcome.second_innovation = second_innovation - outcome.common * outcome.first_share;
+    const double first_variance = variance[kSize];
+    const double first_share = innovation[0] * inverse;
+    const double second_innovation =
+        innovation[1] - shared * innovation[0] - common[kSize] * first_share;
 
     runningSums(second_noise, second_spread, second, variance);
-    outcome.second_variance = variance[kSize];
     inverse = 1.0 / second_noise;
     unrolled<0, kSize>([&](auto j) {
       second_step[j] = -second[j] * inverse;
       inverse = 1.0 / variance[j + 1];
       next.diagonal_[j] = diagonal[j] * (variance[j] * inverse);
     });
+    const double second_share = second_innovation * inverse;
 
-    const double second_share = outcome.second_innovation * inverse;
-    double gained[kSize];
-    double after = 0.0;
-    unrolled<0, kSize>([&](auto reversed) {
-      constexpr int j = kSize - 1 - reversed;
-      gained[j] = outcome.first_share * first_spread[j] +
-                  second_share * (second_spread[j] + after * first_spread[j]);
-      after += first_step[j] * second_spread[j];
+    // U times the spreads so far: in the end what the parameters have in common with the
+    // measurement.
+    FourLanes first_gathered = {first_spread[0], 0.0, 0.0, 0.0};
+    FourLanes second_gathered = {second_spread[0], 0.0, 0.0, 0.0};
+    unrolled<1, kSize>([&](auto j) {
+      const FourLanes& before = column(j);
+      const FourLanes between = before + first_step[j] * first_gathered;
+      first_gathered += first_spread[j] * before;
+      next.column(j) = between + second_step[j] * second_gathered;
+      second_gathered += second_spread[j] * between;
     });
-    unrolled<0, kSize>([&](auto i) {
-      outcome.gained[i] = gained[i];
-      unrolled<i + 1, kSize>([&](auto j) { outcome.gained[i] += upper_[place(i, j)] * gained[j]; });
-    });
-    double between[kPlaces];
-    takeSteps(first_step, first_spread, upper_, between);
-    takeSteps(second_step, second_spread, between, next.upper_);
-    return outcome;
+    const double cross = shared * first_variance + common[kSize];
+    return {{TwoLanes{first_variance, cross},
+             TwoLanes{cross, variance[kSize] + cross * cross / first_variance}},
+            innovation[0] * first_share + second_innovation * second_share,
+            {first_share * first_gathered + second_share * second_gathered,
+             first_share * first_spread[4] + second_share * second_spread[4]}};
   }
 
   /// Adds weight * direction direction' (Agee and Turner). Two quantities that depend on the
@@ -108,53 +108,60 @@ class FactoredCovariance {
     double weight;
     TwoLanes factor;
   };
-  Gained add(double weight, const Vector& direction, Regression& regression) {
-    Regression rows = timesUpper(regression);
+  Gained add(double weight, const Vector& direction, ParameterRows& regression) {
+    Eigen::Matrix<double, 2, kSize> rows;
+    Numbers first, second;
+    timesUpper(regression.first, first);
+    timesUpper(regression.second, second);
+    for (int j = 0; j < kSize; ++j) rows.col(j) << first[j], second[j];
     Vector shape = direction;
-    TwoLanes row_shape = {};
+    Eigen::Vector2d row_shape = Eigen::Vector2d::Zero();
     for (int j = kSize - 1; j >= 0 && weight > 0.0; --j) {
       const double before = diagonal_[j];
       diagonal_[j] += weight * shape[j] * shape[j];
       if (!(diagonal_[j] > 0.0)) continue;
       const double share = weight * shape[j] / diagonal_[j];
       for (int i = 0; i < j; ++i) {
-        shape[i] -= shape[j] * upper_[place(i, j)];
-        upper_[place(i, j)] += share * shape[i];
+        shape[i] -= shape[j] * column(j)[i];
+        column(j)[i] += share * shape[i];
       }
-      row_shape -= shape[j] * rows[j];
-      rows[j] += share * row_shape;
+      row_shape -= shape[j] * rows.col(j);
+      rows.col(j) += share * row_shape;
       weight *= before / diagonal_[j];
     }
     for (int j = 0; j < kSize; ++j) {
-      for (int i = 0; i < j; ++i) rows[j] -= upper_[place(i, j)] * rows[i];
+      for (int i = 0; i < j; ++i) rows.col(j) -= column(j)[i] * rows.col(i);
     }
-    regression = rows;
-    return {weight, row_shape};
+    regression = {ParameterLanes(rows.row(0)), ParameterLanes(rows.row(1))};
+    return {weight, TwoLanes{row_shape[0], row_shape[1]}};
   }
 
   /// Variances of the two quantities regression * parameters.
-  TwoLanes variance(const Regression& regression) const {
-    const Regression rows = timesUpper(regression);
-    TwoLanes sum = {};
-    unrolled<0, kSize>([&](auto j) { sum += rows[j] * (diagonal_[j] * rows[j]); });
-    return sum;
+  TwoLanes variance(const ParameterRows& regression) const {
+    const auto of = [this](const ParameterLanes& row) {
+      Numbers through;
+      timesUpper(row, through);
+      double even = 0.0;
+      double odd = 0.0;
+      unrolled<0, kSize>(
+          [&](auto j) { (j % 2 == 0 ? even : odd) += through[j] * (diagonal_[j] * through[j]); });
+      return even + odd;
+    };
+    return TwoLanes{of(regression.first), of(regression.second)};
   }
 
-  Vector variance() const {
-    Vector result = diagonal_;
-    unrolled<0, kSize>([&](auto j) {
-      unrolled<0, j>(
-          [&](auto i) { result[i] += upper_[place(i, j)] * (upper_[place(i, j)] * diagonal_[j]); });
-    });
+  ParameterLanes variance() const {
+    ParameterLanes result(FourLanes{diagonal_[0], 0.0, 0.0, 0.0}, diagonal_[4]);
+    unrolled<1, kSize>([&](auto j) { result.mismatch += column(j) * (diagonal_[j] * column(j)); });
     return result;
   }
 
   Matrix matrix() const {
     Matrix upper = Matrix::Identity();
-    for (int j = 0; j < kSize; ++j) {
-      for (int i = 0; i < j; ++i) upper(i, j) = upper_[place(i, j)];
+    for (int j = 1; j < kSize; ++j) {
+      for (int i = 0; i < j; ++i) upper(i, j) = column(j)[i];
     }
-    const Matrix weighted = upper * diagonal_.asDiagonal();
+    const Matrix weighted = upper * diagonal().asDiagonal();
     Matrix result;
     for (int i = 0; i < kSize; ++i) {
       for (int j = i; j < kSize; ++j) {
@@ -166,31 +173,38 @@ class FactoredCovariance {
 
   /// Of the numbers in it: not finite unless all of them are.
   double sum() const {
-    double sum = 0.0;
-    unrolled<0, kSize>([&](auto j) {
-      sum += diagonal_[j];
-      unrolled<0, j>([&](auto i) { sum += upper_[place(i, j)]; });
-    });
+    double sum = sumOf((column(1) + column(2)) + (column(3) + column(4)));
+    unrolled<0, kSize>([&](auto j) { sum += diagonal_[j]; });
     return sum;
   }
 
  private:
-  /// Of element (i, j), i < j, in the columns of U one after the other.
-  static constexpr int place(int i, int j) { return j * (j - 1) / 2 + i; }
-  static constexpr int kPlaces = kSize * (kSize - 1) / 2;
+  using Numbers = double[kSize];
 
-  /// Element j of U' row.
-  template <int j>
-  double timesColumn(const Numbers& row) const {
-    double even = row[j];
-    double odd = 0.0;
-    unrolled<0, j>([&](auto i) { (i % 2 == 0 ? even : odd) += upper_[place(i, j)] * row[i]; });
-    return even + odd;
+  /// The first four rows of column j of U, its ones and zeros with them; the first column is known.
+  FourLanes& column(int j) { return columns_[j - 1]; }
+  const FourLanes& column(int j) const { return columns_[j - 1]; }
+
+  Eigen::Map<const Vector> diagonal() const { return Eigen::Map<const Vector>(diagonal_); }
+
+  /// U' row.
+  void timesUpper(const ParameterLanes& row, Numbers& result) const {
+    const FourLanes& mismatch = row.mismatch;
+    unrolled<0, kSize>([&](auto j) {
+      constexpr int column_number = j;
+      double even = column_number < 4 ? mismatch[column_number % 4] : row.drive_gain;
+      double odd = 0.0;
+      unrolled<0, j>([&](auto i) {
+        constexpr int row_number = i;
+        (i % 2 == 0 ? even : odd) += column(j)[row_number] * mismatch[row_number];
+      });
+      result[j] = even + odd;
+    });
   }
 
   /// sums[j]: `start` and the first j products; by pairs, so that a sum is ready after half as many
   /// steps.
-  static void runningSums(double start, const double (&one)[kSize], const double (&other)[kSize],
+  static void runningSums(double start, const Numbers& one, const Numbers& other,
                           double (&sums)[kSize + 1]) {
     sums[0] = start;
     unrolled<0, kSize>([&](auto j) {
@@ -202,29 +216,8 @@ class FactoredCovariance {
     });
   }
 
-  /// U after a measurement.
-  static void takeSteps(const double (&step)[kSize], const double (&spread)[kSize],
-                        const double (&upper)[kPlaces], double (&next)[kPlaces]) {
-    double gathered[kSize];
-    unrolled<0, kSize>([&](auto j) {
-      unrolled<0, j>([&](auto i) {
-        next[place(i, j)] = upper[place(i, j)] + step[j] * gathered[i];
-        gathered[i] += spread[j] * upper[place(i, j)];
-      });
-      gathered[j] = spread[j];
-    });
-  }
-
-  Regression timesUpper(const Regression& regression) const {
-    Regression rows = regression;
-    unrolled<0, kSize>([&](auto j) {
-      unrolled<0, j>([&](auto i) { rows[j] += upper_[place(i, j)] * regression[i]; });
-    });
-    return rows;
-  }
-
-  double upper_[kPlaces];
-  Vector diagonal_;
+  FourLanes columns_[kSize - 1];
+  Numbers diagonal_;
 };
 
 }  // namespace ring_gyro

@@ -9,6 +9,7 @@
 #include "ring_gyro/identification/axes_dynamics.h"
 #include "ring_gyro/identification/factored_covariance.h"
 #include "ring_gyro/identification/parameter_estimate.h"
+#include "ring_gyro/identification/parameter_lanes.h"
 
 namespace ring_gyro {
 
@@ -87,22 +88,19 @@ class IntervalFilter {
   StateVector variance() const;  ///< its diagonal
 
  private:
-  using Regression = FactoredCovariance::Regression;
-  using Parameters = std::array<double, 5>;
-
   /// Errors of the state: those of the parameters, and those of a and b as what the parameters
   /// bring about, regression * error, and the rest.
   struct Belief {
     TwoLanes axes;
-    Parameters parameters;
+    ParameterLanes parameters;
     FactoredCovariance covariance;  ///< of the parameters
-    Regression regression;
+    ParameterRows regression;
     Square conditional;  ///< covariance of a and b given the parameters
   };
   /// How the end of an interval, or its mean, depends on the state at its start.
   struct Sensitivity {
     Square by_axes;
-    Regression by_parameters = {};
+    ParameterRows by_parameters;
   };
 
   const Belief& present() const { return beliefs_[present_]; }
@@ -113,16 +111,15 @@ class IntervalFilter {
   void gatherNoise(const Square& transition, const Square& to_sum, const Square& noise, double n);
   double angleVariance(const TwoLanes& axes, double duration) const;
   Square stepNoise(const AxesStepPairs& step, const TwoLanes& axes, double duration) const;
-  Regression passedOn(const Square& by_axes, const Regression& by_parameters) const;
-  Parameters measureParameters(const Regression& regression, const Square& conditional,
-                               const TwoLanes& innovation, const FactoredCovariance& covariance,
-                               FactoredCovariance& next);
+  ParameterRows passedOn(const Square& by_axes, const ParameterRows& by_parameters) const;
+  ParameterLanes measureParameters(const ParameterRows& regression, const Square& conditional,
+                                   const TwoLanes& innovation, FactoredCovariance& next);
   void measureStep(const AxesStepPairs& step, const Square& noise, const TwoLanes& innovation,
                    Belief& next);
   void measureMean(Belief& next);
-  void keep(const Regression& shown);
+  void keep(const ParameterRows& shown);
   void walk(Belief& belief) const;
-  void forget(const Regression& shown, Belief& belief) const;
+  void forget(const ParameterRows& shown, Belief& belief) const;
   static void addTo(Belief& belief, double weight, const ParameterVector& direction);
 
   AveragedModel model_;
