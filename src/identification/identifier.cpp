@@ -16,6 +16,10 @@ constexpr double kUnknownVariance = 1e30;
 constexpr std::array<double, 7> kPaperProcessNoise = {1e-4, 1e-4, 1.0, 1.0, 1e-2, 1e-2, 1e7};
 constexpr double kPaperMeasurementNoise = 1e-4;
 
+// Blocks are taken so many at a time, in lanes: the code for it, long since pushed out of the
+// processor's nearest memory, is then run several times in a row.
+constexpr int kMostWaiting = 2 * static_cast<int>(kLanes);
+
 const IdentificationParameters& checked(const IdentificationParameters& parameters) {
   IdentificationParameters copy = parameters;
   ParameterTable table;
@@ -183,7 +187,7 @@ void Identifier::startPeriod(const Orbit& orbit, double reference_frequency) {
   by_blocks_ =
       period_blocks_ == 1 ||
       !filter_.isLinearOver(period_, static_cast<int>(period_blocks_), reference_frequency);
-  most_waiting_ = by_blocks_ ? 1 : static_cast<int>(kLanes);
+  most_waiting_ = by_blocks_ ? 1 : kMostWaiting;
   if (!chained_) filter_.sample(axes);
 }
 
@@ -206,12 +210,14 @@ void Identifier::takeWaiting(bool last_of_period) {
     chain_.axes(first, axes[0], axes[1]);
     filter_.stepAndUpdate(step, chain_.blockDuration(), axes);
   } else {
-    if (count > 0) {
+    constexpr int kMost = static_cast<int>(kLanes);
+    for (int taken = 0; taken < count; taken += kMost) {
+      const std::uint64_t sequence = first + static_cast<std::uint64_t>(taken);
       AveragedStep<Lanes> steps;
-      chain_.steps(first, model_.decayRate(), steps);
+      chain_.steps(sequence, model_.decayRate(), steps);
       Lanes a, b;
-      chain_.axes(first, a, b);
-      filter_.steps(steps, count, chain_.blockDuration(), a, b);
+      chain_.axes(sequence, a, b);
+      filter_.steps(steps, std::min(kMost, count - taken), chain_.blockDuration(), a, b);
     }
     if (!by_blocks_ && !last_of_period) return;
     filter_.update();

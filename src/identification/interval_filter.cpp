@@ -103,9 +103,9 @@ RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::step(const AveragedS
 RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::steps(
     const AveragedStep<Lanes>& steps, int count, double duration, const Lanes& measured_a,
     const Lanes& measured_b) {
+  if (samples_ == 0) start();
   const AxesDynamics<Lanes> dynamics(model_.decayRate(), model_.angularFrequency(), steps);
   const AxesTransition<Lanes> each = dynamics.transition(device(), duration);
-  if (samples_ == 0) start();
   const Lanes a_kept = 1.0 + each.aa;
   const Lanes b_kept = 1.0 + each.bb;
   double a = axes_[0], b = axes_[1];
@@ -254,6 +254,8 @@ inline ParameterLanes IntervalFilter::measureParameters(const ParameterRows& reg
   store(outcome.innovation_covariance.first, update_.innovation_covariance.data());
   store(outcome.innovation_covariance.second, update_.innovation_covariance.data() + 2);
   update_.normalised_innovation_squared = outcome.normalised_innovation_squared;
+  // Inputs beyond all reason can make noise that no noise is like.
+  update_.accepted = conditional.first[0] > 0.0 && determinant(conditional) > 0.0;
   return outcome.gained;
 }
 
@@ -312,12 +314,11 @@ void IntervalFilter::measureMean(Belief& next) {
 inline void IntervalFilter::keep(const ParameterRows& shown) {
   Belief& next = beliefs_[1 - present_];
   const ParameterLanes sum = next.parameters + (next.regression.first + next.regression.second);
-  update_.accepted = std::isfinite(
+  update_.accepted &= std::isfinite(
       sumOf(sum) + (next.axes[0] + next.axes[1]) +
       (next.conditional.first[0] + next.conditional.first[1] + next.conditional.second[1]) +
       (update_.innovation_covariance.sum() + update_.normalised_innovation_squared +
        next.covariance.sum()));
-  // Inputs beyond all reason can make noise that no noise is like.
   update_.accepted &= next.conditional.first[0] >= 0.0 && next.conditional.second[1] >= 0.0;
   if (update_.accepted) {
     if (walks_) walk(next);

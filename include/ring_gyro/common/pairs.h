@@ -40,9 +40,11 @@ inline Square transposed(const Square& matrix) {
 inline Square diagonal(double first, double second) {
   return {TwoLanes{first, 0.0}, TwoLanes{0.0, second}};
 }
+inline double determinant(const Square& matrix) {
+  return matrix.first[0] * matrix.second[1] - matrix.second[0] * matrix.first[1];
+}
 inline Square inverse(const Square& matrix) {
-  const double scale =
-      1.0 / (matrix.first[0] * matrix.second[1] - matrix.second[0] * matrix.first[1]);
+  const double scale = 1.0 / determinant(matrix);
   return {scale * TwoLanes{matrix.second[1], -matrix.first[1]},
           scale * TwoLanes{-matrix.second[0], matrix.first[0]}};
 }

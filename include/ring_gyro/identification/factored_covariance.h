@@ -36,11 +36,11 @@ class FactoredCovariance {
     ParameterLanes gained;  ///< by the parameters
   };
 
-  /// Measures rows * parameters with these innovations and covariance `noise`, after Bierman: the
-  /// first, then the second less what its noise has in common with that of the first. Both go
-  /// through the factors as they were, and what the first does to the second is added (in the
-  /// coordinates of U it is one number a column): so the second does not wait until the first has
-  /// been through the factors. `next`: the covariance after both, another object.
+  /// Measures rows * parameters with these innovations and positive definite covariance `noise`,
+  /// after Bierman: the first, then the second less what its noise has in common with that of the
+  /// first. Both go through the factors as they were, and what the first does to the second is
+  /// added (in the coordinates of U it is one number a column): so the second does not wait until
+  /// the first has been through the factors. `next`: the covariance after both, another object.
   Outcome measure(const ParameterRows& rows, const Square& noise, const TwoLanes& innovation,
                   FactoredCovariance& next) const {
     const double first_noise = noise.first[0];

@@ -90,8 +90,8 @@ class Identifier {
 
   BlockChain chain_;
   std::uint64_t block_of_period_ = 0;  // of the last block
-  // The last blocks that the filter has yet to take: as many as there are lanes, in one go, or one
-  // while each block is an update.
+  // The last blocks that the filter has yet to take: many in one go, or one while each block is an
+  // update.
   int waiting_ = 0;
   int most_waiting_ = 1;
 
