@@ -74,7 +74,8 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
 
 bool BlockChain::setDelay(double group_delay, double duration) {
   const double blocks = group_delay / duration;
-  if (!(blocks >= 0.0) || 2.0 * blocks + 2.0 > static_cast<double>(kMemory)) return false;
+  // The step to the oldest within reach begins a block and the delay before.
+  if (!(blocks >= 0.0) || blocks + 1.0 > static_cast<double>(kReach)) return false;
   // A delay of whole blocks up to rounding has no rest.
   const double whole = std::floor(blocks + 1e-9);
   group_delay_ = group_delay;

@@ -18,7 +18,8 @@ constexpr double kPaperMeasurementNoise = 1e-4;
 
 // Blocks are taken so many at a time, in lanes: the code for it, long since pushed out of the
 // processor's nearest memory, is then run several times in a row.
-constexpr int kMostWaiting = 2 * static_cast<int>(kLanes);
+constexpr int kMostWaiting = 4 * static_cast<int>(kLanes);
+static_assert(kMostWaiting <= static_cast<int>(BlockChain::kReach));
 
 const IdentificationParameters& checked(const IdentificationParameters& parameters) {
   IdentificationParameters copy = parameters;

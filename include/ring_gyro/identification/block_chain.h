@@ -40,6 +40,8 @@ class BlockChain {
     double rotation_rate = 0.0;
   };
 
+  static constexpr std::size_t kReach = 32;
+
   explicit BlockChain(std::int64_t block_duration_ns);
 
   /// Remembers the block when it can be used; true when everything that its elements depend on can
@@ -57,7 +59,8 @@ class BlockChain {
 
   /// The same way as one step, for a ring whose envelope decays at `decay_rate` [1/s].
   void step(std::uint64_t sequence, double decay_rate, AveragedStep<double>& step) const;
-  /// Also the steps to the blocks that follow `sequence`, as far as there are any.
+  /// Also the steps to the blocks that follow `sequence`, as far as there are any. Both for the
+  /// last kReach blocks.
   void steps(std::uint64_t sequence, double decay_rate, AveragedStep<Lanes>& steps) const;
   /// Measured axes of `sequence`, or of it and the blocks that follow [V].
   template <typename Real>
@@ -67,7 +70,7 @@ class BlockChain {
   }
 
  private:
-  static constexpr std::size_t kMemory = 64;
+  static constexpr std::size_t kMemory = 2 * kReach;
   // What later blocks need of a block, each kind of number by itself.
   enum Kind {
     kMajor,
