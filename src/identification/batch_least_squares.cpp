@@ -58,16 +58,12 @@ void BatchLeastSquares::add(const OrbitalElements& elements, const ControlGains&
   sample.durations = {0.0, 0.0};
   sample.middles = {0.0, 0.0};
   if (chained_) {
-    const Orbit before = chain_.block(sequence - 1).orbit;
     const std::array<ChainSegment, 2> segments = chain_.segments(sequence);
     for (std::size_t k = 0; k < 2; ++k) {
       const ChainSegment& segment = segments[k];
       sample.durations[k] = segment.duration;
       sample.middles[k] = segment.middle;
-      sample.inputs[k].drive = segment.drive;
-      sample.inputs[k].reference_frequency = segment.reference_frequency;
-      sample.inputs[k].theta = before.theta + segment.middle * (now.orbit.theta - before.theta);
-      sample.inputs[k].rotation_rate = segment.rotation_rate;
+      sample.inputs[k] = segment.input;
     }
   }
   samples_.push_back(sample);

@@ -99,18 +99,24 @@ BlockChain::Block BlockChain::block(std::uint64_t sequence) const {
 }
 
 std::array<ChainSegment, 2> BlockChain::segments(std::uint64_t sequence) const {
-  const double rest = rest_of_delay_ * block_duration_;
+  const double before = block(sequence - 1).orbit.theta;
+  const double change = block(sequence).orbit.theta - before;
   const Block first = block(sequence - 1 - whole_delay_);
   const Block then = block(sequence - whole_delay_);
-  std::array<ChainSegment, 2> result;
-  result[0] = {rest, 0.5 * rest_of_delay_, first.drive, first.reference_frequency,
-               first.rotation_rate};
+  const double rest = rest_of_delay_ * block_duration_;
   const double remaining = block_duration_ - rest;
-  result[1] = {remaining, 0.5 * (1.0 + rest_of_delay_),
-               then.drive + driveStep(first.drive, then.drive, then.reference_phase,
-                                      then.reference_frequency, remaining),
-               then.reference_frequency, then.rotation_rate};
-  return result;
+  const auto segment = [&](double duration, double middle, const Eigen::Vector2cd& drive,
+                           const Block& of) {
+    return ChainSegment{
+        duration,
+        middle,
+        {drive, of.reference_frequency, before + middle * change, of.rotation_rate}};
+  };
+  return {segment(rest, 0.5 * rest_of_delay_, first.drive, first),
+          segment(remaining, 0.5 * (1.0 + rest_of_delay_),
+                  then.drive + driveStep(first.drive, then.drive, then.reference_phase,
+                                         then.reference_frequency, remaining),
+                  then)};
 }
 
 /// Both moments lie the rest of the delay before the end of a block; drive and frequency change in

@@ -168,12 +168,8 @@ void ExtendedIdentifier::propagate(std::uint64_t sequence) {
   const Eigen::Vector4d measured_change = realParts(envelopeFromOrbit(now)) - measured_before;
   for (const ChainSegment& segment : chain_.segments(sequence)) {
     if (segment.duration <= 0.0) continue;
-    EnvelopeInput input;
-    input.drive = segment.drive;
-    input.reference_frequency = segment.reference_frequency;
-    input.theta = before.theta + segment.middle * (now.theta - before.theta);
-    input.rotation_rate = segment.rotation_rate;
-    filter_.step(input, measured_before + segment.middle * measured_change, segment.duration);
+    filter_.step(segment.input, measured_before + segment.middle * measured_change,
+                 segment.duration);
   }
 }
 

@@ -111,7 +111,7 @@ inline void Identifier::take(const Orbit& orbit, const ControlGains& gains, bool
   lowest_theta_in_period_ = std::min(lowest_theta_in_period_, orbit.theta);
   highest_theta_in_period_ = std::max(highest_theta_in_period_, orbit.theta);
   if (!scaled_) {
-    addToScale(orbit, gains);
+    first_look_.add(orbit, gains.drive.total(), gains.reference_frequency);
     return;
   }
   if (!first_of_period || chained_) ++waiting_;
@@ -179,7 +179,7 @@ void Identifier::skipLost(const BlockStamp& stamp) {
 
 void Identifier::startPeriod(const Orbit& orbit, double reference_frequency) {
   lowest_theta_in_period_ = highest_theta_in_period_ = orbit.theta;
-  amplitude_sum_ = frequency_sum_ = drive_sum_ = 0.0;
+  first_look_ = FirstLookSum();
   waiting_ = 0;
   if (!scaled_) return;
   const Eigen::Vector2d axes(orbit.a, orbit.b);
@@ -190,15 +190,6 @@ void Identifier::startPeriod(const Orbit& orbit, double reference_frequency) {
       !filter_.isLinearOver(period_, static_cast<int>(period_blocks_), reference_frequency);
   most_waiting_ = by_blocks_ ? 1 : kMostWaiting;
   if (!chained_) filter_.sample(axes);
-}
-
-void Identifier::addToScale(const Orbit& orbit, const ControlGains& gains) {
-  const Eigen::Vector2cd drive = gains.drive.total();
-  const std::complex<double> along =
-      std::cos(orbit.theta) * drive.x() + std::sin(orbit.theta) * drive.y();
-  amplitude_sum_ += orbit.a;
-  frequency_sum_ += gains.reference_frequency;
-  drive_sum_ += (std::polar(1.0, -orbit.phi) * along).imag();
 }
 
 void Identifier::takeWaiting(bool last_of_period) {
@@ -290,25 +281,23 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
 }
 
 bool Identifier::setScale() {
-  const double blocks = static_cast<double>(period_blocks_);
-  const double drive_gain =
-      2.0 * (frequency_sum_ / blocks) * model_.decayRate() * amplitude_sum_ / drive_sum_;
-  if (!(drive_sum_ > 0.0) || !std::isfinite(drive_gain)) return false;
+  const FirstLook look = first_look_.look(chain_.blockDuration(), model_.decayRate());
+  if (!(look.drive_gain > 0.0) || !std::isfinite(look.drive_gain)) return false;
 
   StateVector value = StateVector::Zero();
-  value[kA] = amplitude_sum_ / blocks;
-  value[kDriveGain] = drive_gain;
+  value[kA] = look.amplitude;
+  value[kDriveGain] = look.drive_gain;
   const double axis_sigma = 0.01 * value[kA] + 10.0 * sample_sigma_;
   StateVector sigma;
   sigma << axis_sigma, axis_sigma, parameters_.initial_gamma_sigma, parameters_.initial_gamma_sigma,
       parameters_.initial_mu_sigma, parameters_.initial_mu_sigma,
-      parameters_.initial_drive_gain_sigma * drive_gain;
+      parameters_.initial_drive_gain_sigma * look.drive_gain;
   IntervalFilter::ParameterVector walk;
   if (parameters_.tuning == "paper") {
     for (int k = 0; k < 5; ++k) walk[k] = std::sqrt(kPaperProcessNoise[k + 2] / period_);
   } else {
     walk << parameters_.gamma_walk, parameters_.gamma_walk, parameters_.mu_walk,
-        parameters_.mu_walk, parameters_.drive_gain_walk * drive_gain;
+        parameters_.mu_walk, parameters_.drive_gain_walk * look.drive_gain;
   }
   filter_.initialise(value, sigma, walk, parameters_.memory_time);
   scaled_ = true;

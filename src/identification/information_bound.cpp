@@ -91,10 +91,9 @@ void AxesBound::process(const OrbitalElements& elements, const ControlGains& gai
     input.pattern_rate = (now.theta - before.theta) / elements.stamp.duration();
     for (const ChainSegment& segment : chain_.segments(sequence)) {
       if (segment.duration <= 0.0) continue;
-      input.drive = segment.drive;
-      input.reference_frequency = segment.reference_frequency;
-      const Orbit middle{axes_[0], axes_[1],
-                         before.theta + segment.middle * (now.theta - before.theta),
+      input.drive = segment.input.drive;
+      input.reference_frequency = segment.input.reference_frequency;
+      const Orbit middle{axes_[0], axes_[1], segment.input.theta,
                          before.phi + segment.middle * (now.phi - before.phi)};
       const AxesStep step = model_.axesStep(middle, truth_, input, segment.duration);
       axes_ = step.axes;
@@ -132,16 +131,10 @@ void EnvelopeBound::process(const OrbitalElements& elements, const ControlGains&
     truth_.head<4>() = model_.undistorted(realParts(envelopeFromOrbit(now)), truth_);
     bound_.forgetMoving(unknown(sample_variance_));
   } else {
-    const Orbit before = chain_.block(sequence - 1).orbit;
     for (const ChainSegment& segment : chain_.segments(sequence)) {
       if (segment.duration <= 0.0) continue;
-      EnvelopeInput input;
-      input.drive = segment.drive;
-      input.reference_frequency = segment.reference_frequency;
-      input.theta = before.theta + segment.middle * (now.theta - before.theta);
-      input.rotation_rate = segment.rotation_rate;
       const Eigen::Vector4d envelope = truth_.head<4>();
-      model_.step(envelope, truth_, {envelope, truth_}, input, segment.duration, step_);
+      model_.step(envelope, truth_, {envelope, truth_}, segment.input, segment.duration, step_);
       truth_.head<4>() = step_.after;
       InformationBound::Rows rows(4, size);
       rows << step_.transition, step_.by_parameters;

@@ -11,16 +11,15 @@
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/demodulation/orbital_elements.h"
 #include "ring_gyro/identification/averaged_step.h"
+#include "ring_gyro/identification/envelope_input.h"
 
 namespace ring_gyro {
 
 /// Constant inputs between two moments at which elements are valid.
 struct ChainSegment {
-  double duration = 0.0;                              ///< [s]
-  double middle = 0.0;                                ///< 0 to 1 of the way between the moments
-  Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();  ///< commanded, with its step [V]
-  double reference_frequency = 0.0;                   ///< [rad/s]
-  double rotation_rate = 0.0;                         ///< k Om [rad/s]
+  double duration = 0.0;  ///< [s]
+  double middle = 0.0;    ///< 0 to 1 of the way between the moments
+  EnvelopeInput input;
 };
 
 /// Pairs measured elements with the inputs that acted between them: elements are valid a group

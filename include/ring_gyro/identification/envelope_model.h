@@ -2,19 +2,12 @@
 
 #include <Eigen/Core>
 
+#include "ring_gyro/identification/envelope_input.h"
 #include "ring_gyro/identification/extended_state.h"
 
 namespace ring_gyro {
 
 using EnvelopeSensitivity = Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMostExtendedStates>;
-
-/// Known inputs of the envelope's rate over one step.
-struct EnvelopeInput {
-  Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();  ///< commanded envelope, with its step [V]
-  double reference_frequency = 0.0;                   ///< w [rad/s]
-  double theta = 0.0;                                 ///< measured, in the middle of the step [rad]
-  double rotation_rate = 0.0;                         ///< k Om, as far as it is known [rad/s]
-};
 
 /// Where the model is linearised: an envelope and parameters (linear coordinates).
 struct EnvelopePoint {

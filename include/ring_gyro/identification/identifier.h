@@ -8,6 +8,7 @@
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/identification/averaged_model.h"
 #include "ring_gyro/identification/block_chain.h"
+#include "ring_gyro/identification/first_look.h"
 #include "ring_gyro/identification/interval_filter.h"
 #include "ring_gyro/identification/parameter_estimate.h"
 
@@ -74,7 +75,6 @@ class Identifier {
   void take(const Orbit& orbit, const ControlGains& gains, bool first_of_period,
             bool last_of_period);
   void startPeriod(const Orbit& orbit, double reference_frequency);
-  void addToScale(const Orbit& orbit, const ControlGains& gains);
   void takeWaiting(bool last_of_period);
   void breakChain();
   void finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation);
@@ -109,9 +109,7 @@ class Identifier {
   bool by_blocks_ = false;  // the present period is filtered block by block
   ParameterEstimate estimate_;
   std::uint64_t blocks_in_period_ = 0;
-  double amplitude_sum_ = 0.0;
-  double frequency_sum_ = 0.0;
-  double drive_sum_ = 0.0;
+  FirstLookSum first_look_;  // of the present period, until the filter runs
   double lowest_theta_ = 0.0;
   double highest_theta_ = 0.0;
   double lowest_theta_in_period_ = 0.0;

@@ -14,7 +14,7 @@ namespace ring_gyro {
 struct LoopRecord {
   const DisplacementBlock& displacement;
   const LoopOutput& loops;
-  const ParameterEstimate* estimate;  ///< null but at the end of a period
+  const ParameterEstimate* estimate;     ///< null but at the end of a period
   const CompensationDecision* decision;  ///< null but when there is an estimate
   const PlantSimulator& plant;
   const Identifier& identifier;  ///< has the covariance of the estimate
