@@ -13,7 +13,6 @@ import os
 import platform
 import re
 import shutil
-import signal
 import socket
 import statistics
 import subprocess
@@ -217,7 +216,7 @@ class Measurement:
         finally:
             for process in (loops, master):
                 if process:
-                    process.send_signal(signal.SIGINT)
+                    process.terminate()  # an interrupt is ignored below a shell's background job
                     process.wait(10)
 
     def lockstep(self):
