@@ -81,7 +81,7 @@ StateVector startSigma() {
 
 IntervalFilter makeFilter() {
   IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise());
-  filter.initialise(startValue(), startSigma(), IntervalFilter::ParameterVector::Zero());
+  filter.initialise(startValue(), startSigma(), ParameterVector::Zero());
   return filter;
 }
 

@@ -172,8 +172,9 @@ TEST(Conversions, ParameterEstimate) {
   for (int i = 0; i < 7; ++i) {
     estimate.value[i] = values.next();
     for (int j = 0; j < 7; ++j) covariance(i, j) = values.next();
-    covariance(i, i) = estimate.variance[i] = std::abs(covariance(i, i));
+    covariance(i, i) = std::abs(covariance(i, i));
   }
+  estimate.parameter_variance = covariance.diagonal().tail<5>();
   estimate.innovation = {values.next(), values.next()};
   estimate.innovation_covariance << values.next(), values.next(), values.next(), values.next();
   estimate.normalised_innovation_squared = values.next();

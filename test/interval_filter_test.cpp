@@ -19,7 +19,7 @@ constexpr double kFrequency = 14e3;
 constexpr double kQuality = 22000.0;
 constexpr double kStep = 1e-3;
 const DeviceParameters kDevice = AveragedLoop::Options{}.device;
-const IntervalFilter::ParameterVector kNoWalk = IntervalFilter::ParameterVector::Zero();
+const ParameterVector kNoWalk = ParameterVector::Zero();
 
 /// One step of the filter with the sample at its end.
 struct Record {
@@ -303,7 +303,7 @@ TEST(IntervalFilter, ProcessNoiseEntersMeanAndEndAsItShould) {
 
 TEST(IntervalFilter, ParametersWalk) {
   IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(1.0, 0.0));
-  IntervalFilter::ParameterVector walk;
+  ParameterVector walk;
   walk << 1e-3, 2e-3, 3e-7, 4e-7, 50.0;
   StateVector sigma = StateVector::Zero();
   sigma.head<2>().setConstant(1e-9);

@@ -102,7 +102,7 @@ TEST(LiveTracking, FreezesWhatAPatternAtRestDoesNotShow) {
     EXPECT_LT(last.sigma(index), 3.0 * at_rest.sigma(index)) << k;
   }
   EXPECT_LT(std::hypot(last.value[kGamma1] - last.residual_gamma1, last.value[kGamma2]), 0.05);
-  EXPECT_TRUE(last.variance.allFinite());
+  EXPECT_TRUE(last.parameter_variance.allFinite());
 }
 
 }  // namespace

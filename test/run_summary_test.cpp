@@ -81,7 +81,7 @@ ParameterEstimate estimateAt(std::uint64_t sequence, double gamma) {
   estimate.updated = true;
   estimate.value[kGamma1] = gamma;
   estimate.value[kDriveGain] = 1.1e5;
-  estimate.variance[kGamma1] = 1e-12;
+  estimate.parameter_variance[0] = 1e-12;
   return estimate;
 }
 

@@ -20,7 +20,7 @@ double square(double x) { return x * x; }
 
 /// A sum is finite only when all of it is.
 bool finite(const ParameterEstimate& estimate) {
-  return std::isfinite(estimate.value.sum() + estimate.variance.sum());
+  return std::isfinite(estimate.value.sum() + estimate.parameter_variance.sum());
 }
 
 }  // namespace
@@ -112,8 +112,8 @@ void CompensationInjector::reset() {
 bool CompensationInjector::gateOpen(const ParameterEstimate& estimate) const {
   const double used = static_cast<double>(estimate.used_blocks) * estimate.stamp.duration();
   return finite(estimate) && estimate.converged && estimate.value[kDriveGain] > 0.0 &&
-         estimate.variance[kGamma1] <= square(parameters_.gamma_sigma_limit) &&
-         estimate.variance[kGamma2] <= square(parameters_.gamma_sigma_limit) &&
+         estimate.variance(kGamma1) <= square(parameters_.gamma_sigma_limit) &&
+         estimate.variance(kGamma2) <= square(parameters_.gamma_sigma_limit) &&
          used >= parameters_.start_after;
 }
 

@@ -262,13 +262,10 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
   estimate.angle_covered = highest_theta_ - lowest_theta_;
   if (scaled_) {
     estimate.value = filter_.value();
-    estimate.variance = filter_.variance();
+    estimate.parameter_variance = filter_.parameterVariance();
   } else {
     estimate.value.setZero();
-    estimate.variance << kUnknownVariance, kUnknownVariance,
-        square(parameters_.initial_gamma_sigma), square(parameters_.initial_gamma_sigma),
-        square(parameters_.initial_mu_sigma), square(parameters_.initial_mu_sigma),
-        kUnknownVariance;
+    estimate.parameter_variance = initialVariance();
   }
   const double cancelled_by_gain = 0.5 * estimate.value[kDriveGain] / model_.decayRate();
   estimate.residual_gamma1 = estimate.value[kGamma1];
@@ -292,7 +289,7 @@ bool Identifier::setScale() {
   sigma << axis_sigma, axis_sigma, parameters_.initial_gamma_sigma, parameters_.initial_gamma_sigma,
       parameters_.initial_mu_sigma, parameters_.initial_mu_sigma,
       parameters_.initial_drive_gain_sigma * look.drive_gain;
-  IntervalFilter::ParameterVector walk;
+  ParameterVector walk;
   if (parameters_.tuning == "paper") {
     for (int k = 0; k < 5; ++k) walk[k] = std::sqrt(kPaperProcessNoise[k + 2] / period_);
   } else {
@@ -305,19 +302,28 @@ bool Identifier::setScale() {
 }
 
 bool Identifier::converged() const {
-  const StateVector& variance = estimate_.variance;
   const double gamma = square(parameters_.converged_gamma_sigma);
   const double mu = square(parameters_.converged_mu_sigma);
-  return scaled_ && variance[kGamma1] < gamma && variance[kGamma2] < gamma && variance[kMu1] < mu &&
-         variance[kMu2] < mu &&
-         variance[kDriveGain] <
+  const auto variance = [this](StateIndex index) { return estimate_.variance(index); };
+  return scaled_ && variance(kGamma1) < gamma && variance(kGamma2) < gamma && variance(kMu1) < mu &&
+         variance(kMu2) < mu &&
+         variance(kDriveGain) <
              square(parameters_.converged_drive_gain_sigma * estimate_.value[kDriveGain]) &&
          estimate_.angle_covered >= parameters_.converged_angle;
 }
 
+/// Until the scale of ks has been found.
+ParameterVector Identifier::initialVariance() const {
+  const double gamma = square(parameters_.initial_gamma_sigma);
+  const double mu = square(parameters_.initial_mu_sigma);
+  return (ParameterVector() << gamma, gamma, mu, mu, kUnknownVariance).finished();
+}
+
 StateMatrix Identifier::covariance() const {
   if (scaled_) return filter_.covariance();
-  return StateMatrix(estimate_.variance.asDiagonal());
+  StateVector variance;
+  variance << kUnknownVariance, kUnknownVariance, initialVariance();
+  return StateMatrix(variance.asDiagonal());
 }
 
 }  // namespace ring_gyro

@@ -379,4 +379,8 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN StateVector IntervalFilter::variance() 
       belief.covariance.variance());
 }
 
+RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN ParameterVector IntervalFilter::parameterVariance() const {
+  return present().covariance.variance().vector();
+}
+
 }  // namespace ring_gyro

@@ -258,9 +258,10 @@ void fromMessage(const ring_gyro_msgs::ParameterEstimate& message, ParameterEsti
   estimate.rejected_blocks = message.rejected_blocks;
   estimate.lost_blocks = message.lost_blocks;
   estimate.updated = message.updated != 0;
-  for (int i = 0; i < 7; ++i) {
-    estimate.value[i] = message.value[i];
-    estimate.variance[i] = message.covariance[8 * i];
+  for (int i = 0; i < 7; ++i) estimate.value[i] = message.value[i];
+  for (int i = 0; i < 5; ++i) {
+    const int state = kGamma1 + i;
+    estimate.parameter_variance[i] = message.covariance[8 * state];
   }
   for (int i = 0; i < 2; ++i) {
     estimate.innovation[i] = message.innovation[i];

@@ -80,6 +80,7 @@ class Identifier {
   void finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation);
   bool setScale();
   bool converged() const;
+  ParameterVector initialVariance() const;
 
   IdentificationParameters parameters_;
   AveragedModel model_;

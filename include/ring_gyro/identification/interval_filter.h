@@ -47,8 +47,6 @@ class IntervalFilter {
  public:
   IntervalFilter(const AveragedModel& model, const IntervalNoise& noise);
 
-  using ParameterVector = Eigen::Matrix<double, 5, 1>;  ///< gamma1, gamma2, mu1, mu2, ks
-
   /// Forgets everything and starts an interval. value[kDriveGain], not zero, sets the scale of ks;
   /// `walk`: random walk of the parameters [unit of the parameter / sqrt(s)]. `memory_time`: after
   /// which data count for 1/e, 0: they count for ever [s].
@@ -86,6 +84,7 @@ class IntervalFilter {
   StateVector value() const;
   StateMatrix covariance() const;
   StateVector variance() const;  ///< its diagonal
+  ParameterVector parameterVariance() const;
 
  private:
   /// Errors of the state: those of the parameters, and those of a and b as what the parameters

@@ -10,6 +10,7 @@ namespace ring_gyro {
 
 using StateVector = Eigen::Matrix<double, 7, 1>;
 using StateMatrix = Eigen::Matrix<double, 7, 7>;
+using ParameterVector = Eigen::Matrix<double, 5, 1>;  ///< gamma1, gamma2, mu1, mu2, ks
 
 /// States of the identifier, equation (29).
 enum StateIndex { kA = 0, kB, kGamma1, kGamma2, kMu1, kMu2, kDriveGain };
@@ -26,7 +27,8 @@ struct ParameterEstimate {
   bool updated = false;           ///< whether this period's data entered the estimate
   /// Units of (29). Zero, with the initial variance, until the scale of ks has been found.
   StateVector value = StateVector::Zero();
-  StateVector variance = StateVector::Zero();  ///< Identifier::covariance() has all of it
+  /// Identifier::covariance() has the rest of it.
+  ParameterVector parameter_variance = ParameterVector::Zero();
   /// Of the mean a, b over the period [V]; of its last block while filtering block by block.
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
   Eigen::Matrix2d innovation_covariance = Eigen::Matrix2d::Zero();  ///< [V^2]
@@ -37,8 +39,9 @@ struct ParameterEstimate {
   /// Every sigma below its limit and enough of the angle seen (IdentificationParameters).
   bool converged = false;
 
-  /// Standard deviation of a state.
-  double sigma(StateIndex index) const { return std::sqrt(variance[index]); }
+  /// Of a parameter, not of kA or kB.
+  double variance(StateIndex index) const { return parameter_variance[index - kGamma1]; }
+  double sigma(StateIndex index) const { return std::sqrt(variance(index)); }
 };
 
 }  // namespace ring_gyro
