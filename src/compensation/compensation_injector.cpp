@@ -121,14 +121,15 @@ bool CompensationInjector::gateOpen(const ParameterEstimate& estimate) const {
 void CompensationInjector::rampTowards(double gamma1, double gamma2, double duration) {
   const double step1 = gamma1 - gamma1_;
   const double step2 = gamma2 - gamma2_;
-  const double distance = std::sqrt(square(step1) + square(step2));
+  const double squared_distance = square(step1) + square(step2);
   const double reach = parameters_.ramp_rate * duration;
-  if (distance <= reach) {
+  if (squared_distance <= square(reach)) {
     gamma1_ = gamma1;
     gamma2_ = gamma2;
   } else {
-    gamma1_ += step1 * (reach / distance);
-    gamma2_ += step2 * (reach / distance);
+    const double share = reach / std::sqrt(squared_distance);
+    gamma1_ += share * step1;
+    gamma2_ += share * step2;
   }
 }
 

@@ -8,14 +8,13 @@
 /// to the last bit on every machine.
 ///
 /// RING_GYRO_FUSED_CLONES marks one to be compiled with and without fused multiply-add: a chain of
-/// sums of products is ready in half the time; where the compiler knows them by name, also with
-/// what else such processors have. Results differ by rounding between such machines.
+/// sums of products is ready in half the time. Compilers that know the level of processors that has
+/// it use the rest of that level too. Results differ by rounding between such machines.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RING_GYRO_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #if __GNUC__ >= 12
-#define RING_GYRO_FUSED_CLONES \
-  __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#define RING_GYRO_FUSED_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define RING_GYRO_FUSED_CLONES __attribute__((target_clones("fma", "default")))
 #endif
