@@ -148,29 +148,37 @@ class LoopAlone {
   const LoopOutput* output_;
 };
 
-/// Processor cores that the calling thread, and what it starts, may run on.
-struct Cores {
-  std::vector<int> numbers;
-
-  static Cores allowed() {
-    cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) != 0) {
-      throw std::system_error(errno, std::generic_category(), "cores that may be used");
-    }
-    Cores cores;
+/// Processor cores that the calling thread, and what it starts, may run on; as before in the end.
+class Cores {
+ public:
+  /// Throws std::system_error where the system does not tell.
+  Cores() {
+    if (sched_getaffinity(0, sizeof before_, &before_) != 0) fail("asking for the cores");
     for (int core = 0; core < CPU_SETSIZE; ++core) {
-      if (CPU_ISSET(core, &set)) cores.numbers.push_back(core);
+      if (CPU_ISSET(core, &before_)) numbers_.push_back(core);
     }
-    return cores;
   }
-  void keepTo() const {
+  ~Cores() { sched_setaffinity(0, sizeof before_, &before_); }
+  Cores(const Cores&) = delete;
+  Cores& operator=(const Cores&) = delete;
+
+  /// Of all that may be used.
+  const std::vector<int>& numbers() const { return numbers_; }
+  /// Runs on these from here on; throws std::system_error when it may not.
+  void keepTo(const std::vector<int>& numbers) {
     cpu_set_t set;
     CPU_ZERO(&set);
     for (const int core : numbers) CPU_SET(core, &set);
-    if (sched_setaffinity(0, sizeof set, &set) != 0) {
-      throw std::system_error(errno, std::generic_category(), "keeping to a core");
-    }
+    if (sched_setaffinity(0, sizeof set, &set) != 0) fail("keeping to a core");
   }
+
+ private:
+  static void fail(const char* what) {
+    throw std::system_error(errno, std::generic_category(), what);
+  }
+
+  cpu_set_t before_;
+  std::vector<int> numbers_;
 };
 
 template <typename Loop>
@@ -297,23 +305,22 @@ void twoCoresAgainstOne(benchmark::State& state, const std::string& configuratio
       if (!item.refused.empty()) throw std::runtime_error(item.refused);
     });
   };
-  const Cores all = Cores::allowed();
-  if (all.numbers.size() < 2) throw std::runtime_error("Monte Carlo on 2 cores needs 2 cores");
-  const Cores both = {{all.numbers[0], all.numbers[1]}};
+  Cores cores;
+  if (cores.numbers().size() < 2) throw std::runtime_error("Monte Carlo on 2 cores needs 2 cores");
+  const std::vector<int> both(cores.numbers().begin(), cores.numbers().begin() + 2);
   timeInTurns(
       state, wallTime, kItems,
       [&] {
-        both.keepTo();
+        cores.keepTo(both);
         run(2, kItems);
       },
       kItems,
       [&] {
-        for (const int core : both.numbers) {
-          Cores{{core}}.keepTo();
+        for (const int core : both) {
+          cores.keepTo({core});
           run(1, kItems / 2);
         }
       });
-  all.keepTo();
 }
 
 }  // namespace ring_gyro

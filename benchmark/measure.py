@@ -76,7 +76,7 @@ def rows():
         "identify_wall": Row("`identify`, 300 s bag at 1 kHz, time", "bare rosbag::View read", 1.25,
                              1.05, most=True),
         "python": Row("`identify`", "Python rosbag and numpy doing the same", 30, 30),
-        "monte_carlo": Row("Monte Carlo, 2 cores", "1 core", 1.9, 1.98),
+        "monte_carlo": Row("Monte Carlo, 2 cores", "1 core, half on each", 1.9, 1.98),
         "memory": Row("memory of `identify` beyond a bare read, 300 s", "rosbag::View", 20, 5, " MB",
                       most=True),
         "memory_long": Row("the same, 3 h", "rosbag::View", 20, 5, " MB", most=True),

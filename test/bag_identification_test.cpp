@@ -187,8 +187,13 @@ TEST_F(BagIdentificationTest, JsonHasAllNumbersToTheLastBit) {
   EXPECT_TRUE(object.at("identified").get<bool>());
   EXPECT_EQ(object.at("parameters").at("ks").at("value").get<double>(),
             live_.back().value[kDriveGain]);
-  EXPECT_EQ(object.at("parameters").at("gamma2").at("sigma").get<double>(),
-            live_.back().sigma[kGamma2]);
+  const std::pair<const char*, StateIndex> sigmas[] = {
+      {"a", kA}, {"b", kB}, {"gamma2", kGamma2}, {"ks", kDriveGain}};
+  for (const auto& [name, state] : sigmas) {
+    EXPECT_EQ(object.at("parameters").at(name).at("sigma").get<double>(), live_.back().sigma[state])
+        << name;
+    EXPECT_GT(live_.back().sigma[state], 0.0) << name;
+  }
   EXPECT_EQ(object.at("covariance").at(3).at(5).get<double>(), live_.back().covariance[7 * 3 + 5]);
   EXPECT_EQ(object.at("counts").at("used").get<std::uint64_t>(), live_.back().used_blocks);
   EXPECT_EQ(object.at("settings").at("device").at("quality_factor").get<double>(), 22000.0);

@@ -38,31 +38,38 @@ TEST(ClosedLoop, SeedChangesTheNoise) {
   EXPECT_NE(a.step().displacement.x, b.step().displacement.x);
 }
 
+// The second: each block brings an estimate and a decision.
 TEST(ClosedLoop, DecisionsActAPeriodAfterTheirData) {
-  const LoopConfiguration compensated = configuration({"control/compensation=true"});
-  ClosedLoop loop(compensated);
-  const std::uint64_t period = compensated.periodBlocks();
-  constexpr std::uint64_t kBlocks = 20000;
-  std::vector<CompensationDecision> decisions;
-  DampingCompensation expected;
-  bool compensated_once = false;
-  for (std::uint64_t block = 0; block < kBlocks; ++block) {
-    const LoopRecord record = loop.step();
-    // What acts in this block was decided for it or for one before.
-    for (const CompensationDecision& decision : decisions) {
-      if (decision.effective_sequence == block) expected = decision.gains;
+  for (const char* update_period : {"0.1", "0.001"}) {
+    SCOPED_TRACE(update_period);
+    const LoopConfiguration compensated =
+        configuration({"control/compensation=true",
+                       std::string("identification/update_period=") + update_period});
+    ClosedLoop loop(compensated);
+    const std::uint64_t period = compensated.periodBlocks();
+    constexpr std::uint64_t kBlocks = 20000;
+    std::vector<CompensationDecision> decisions;
+    std::size_t acting = 0;
+    DampingCompensation expected;
+    bool compensated_once = false;
+    for (std::uint64_t block = 0; block < kBlocks; ++block) {
+      const LoopRecord record = loop.step();
+      // What acts in this block was decided for it or for one before.
+      for (; acting < decisions.size() && decisions[acting].effective_sequence == block; ++acting) {
+        expected = decisions[acting].gains;
+      }
+      if (record.loops.gains.status.locked() && record.loops.gains.compensation.gain1 != 0.0) {
+        EXPECT_EQ(record.loops.gains.compensation.gain1, expected.gain1) << block;
+        compensated_once = true;
+      }
+      if (!record.decision) continue;
+      EXPECT_EQ((record.decision->data_sequence + 1) % period, 0u);
+      EXPECT_EQ(record.decision->effective_sequence, record.decision->data_sequence + 1 + period);
+      decisions.push_back(*record.decision);
     }
-    if (record.loops.gains.status.locked() && record.loops.gains.compensation.gain1 != 0.0) {
-      EXPECT_EQ(record.loops.gains.compensation.gain1, expected.gain1) << block;
-      compensated_once = true;
-    }
-    if (!record.decision) continue;
-    EXPECT_EQ((record.decision->data_sequence + 1) % period, 0u);
-    EXPECT_EQ(record.decision->effective_sequence, record.decision->data_sequence + 1 + period);
-    decisions.push_back(*record.decision);
+    EXPECT_EQ(decisions.size(), kBlocks / period);
+    EXPECT_TRUE(compensated_once);
   }
-  EXPECT_EQ(decisions.size(), kBlocks / period);
-  EXPECT_TRUE(compensated_once);
 }
 
 }  // namespace

@@ -186,6 +186,9 @@ TEST(Conversions, ParameterEstimate) {
       estimate, [&](const ParameterEstimate& from, ring_gyro_msgs::ParameterEstimate& to) {
         toMessage(from, covariance, to);
       });
+  ring_gyro_msgs::ParameterEstimate message;
+  toMessage(estimate, covariance, message);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(message.sigma[i], std::sqrt(covariance(i, i))) << i;
 }
 
 TEST(Conversions, CompensationDecision) {

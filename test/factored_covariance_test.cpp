@@ -8,7 +8,7 @@
 namespace ring_gyro {
 namespace {
 
-using Vector = FactoredCovariance::Vector;
+using Vector = ParameterVector;
 using Matrix = FactoredCovariance::Matrix;
 
 Vector someVariances() {

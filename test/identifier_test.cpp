@@ -50,16 +50,18 @@ void expectNear(const ParameterEstimate& estimate, double gamma, double mu, doub
   EXPECT_NEAR(estimate.value[kDriveGain] / kDevice.drive_gain, 1.0, drive_gain);
 }
 
-void expectFinite(const ParameterEstimate& estimate) {
+void expectFinite(const ParameterEstimate& estimate, const Identifier& identifier) {
   EXPECT_TRUE(estimate.value.allFinite());
-  EXPECT_TRUE(estimate.parameter_variance.allFinite());
+  const StateMatrix covariance = identifier.covariance();
+  EXPECT_TRUE(covariance.allFinite());
+  EXPECT_GE(covariance.diagonal().minCoeff(), 0.0);
+  EXPECT_EQ(covariance.diagonal().tail<5>(), estimate.parameter_variance);
   EXPECT_TRUE(estimate.innovation.allFinite());
   EXPECT_TRUE(estimate.innovation_covariance.allFinite());
   EXPECT_TRUE(std::isfinite(estimate.normalised_innovation_squared));
   EXPECT_TRUE(std::isfinite(estimate.residual_gamma1));
   EXPECT_TRUE(std::isfinite(estimate.residual_gamma2));
   EXPECT_TRUE(std::isfinite(estimate.angle_covered));
-  EXPECT_GE(estimate.parameter_variance.minCoeff(), 0.0);
 }
 
 std::uint64_t accountedFor(const ParameterEstimate& estimate) {
@@ -225,7 +227,7 @@ TEST(Identifier, EmitsAtThePeriodsEndWheneverItStarted) {
       updated.push_back(estimate->updated);
       EXPECT_EQ(estimate->first_sequence, 37u);
       EXPECT_EQ(accountedFor(*estimate), estimate->stamp.sequence - 37 + 1);
-      expectFinite(*estimate);
+      expectFinite(*estimate, identifier);
     }
   }
   EXPECT_EQ(ends, (std::vector<std::uint64_t>{99, 199, 299, 399, 499}));
@@ -248,7 +250,7 @@ ParameterEstimate runHarmed(Harm&& harm) {
     AveragedLoop::Output output = loop.step();
     if (!harm(n, output)) continue;
     if (const auto estimate = identifier.process(output.elements, output.gains)) {
-      expectFinite(*estimate);
+      expectFinite(*estimate, identifier);
       last = *estimate;
     }
   }
@@ -331,7 +333,7 @@ TEST(Identifier, StaysFiniteWhateverItIsTold) {
       if (n > 1000 && n % 900 < 250) output.gains.drive.quadrature *= size;
       if (n > 2000 && n % 1100 < 350) output.elements.orbit.theta *= size;
       if (const auto estimate = identifier.process(output.elements, output.gains)) {
-        expectFinite(*estimate);
+        expectFinite(*estimate, identifier);
       }
     }
   }
@@ -494,7 +496,7 @@ TEST(Identifier, PaperTuningIsSlow) {
   EXPECT_LT(gammaError(later), 0.5 * gammaError(minute));
   EXPECT_GT(gammaError(later), 1e-4);
   EXPECT_FALSE(later.converged);
-  expectFinite(later);
+  expectFinite(later, identifier);
 }
 
 }  // namespace

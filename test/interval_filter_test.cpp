@@ -427,6 +427,26 @@ TEST(IntervalFilter, InnovationsAreAsLargeAsTheirCovarianceSays) {
   EXPECT_NEAR(sum / updates, 2.0, 3.0 * 2.0 / std::sqrt(updates));
 }
 
+TEST(IntervalFilter, RefusesNoiseThatIsNone) {
+  IntervalNoise noise = noiseOf(5e-6, 2e-6);
+  noise.sample_variance = -1.0;
+  for (const bool in_one : {false, true}) {
+    IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise);
+    filter.initialise(startValue(), startSigma(), kNoWalk);
+    const StateVector value = filter.value();
+    const StateMatrix covariance = filter.covariance();
+    const Record record = recordLoop(1, 5e-6).front();
+    if (in_one) {
+      EXPECT_FALSE(filter.stepAndUpdate(stepOf(record), kStep, record.measured).accepted);
+    } else {
+      filter.step(stepOf(record), kStep, record.measured);
+      EXPECT_FALSE(filter.update().accepted);
+    }
+    EXPECT_EQ(filter.value(), value);
+    EXPECT_EQ(filter.covariance(), covariance);
+  }
+}
+
 TEST(IntervalFilter, KnowsHowFarItIsLinear) {
   IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 2e-6));
   const double w = kTwoPi * kFrequency;

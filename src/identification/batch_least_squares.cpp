@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ring_gyro/identification/extended_prior.h"
+
 namespace ring_gyro {
 namespace {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "ring_gyro/common/pairs.h"
 #include "ring_gyro/common/vector_dispatch.h"
@@ -74,7 +75,6 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
 
 bool BlockChain::setDelay(double group_delay, double duration) {
   const double blocks = group_delay / duration;
-  // The step to the oldest within reach begins a block and the delay before.
   if (!(blocks >= 0.0) || blocks + 1.0 > static_cast<double>(kReach)) return false;
   // A delay of whole blocks up to rounding has no rest.
   const double whole = std::floor(blocks + 1e-9);

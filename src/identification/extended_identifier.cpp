@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ring_gyro/identification/extended_prior.h"
+
 namespace ring_gyro {
 namespace {
 

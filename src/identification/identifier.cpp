@@ -1,6 +1,7 @@
 #include "ring_gyro/identification/identifier.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -16,8 +17,8 @@ constexpr double kUnknownVariance = 1e30;
 constexpr std::array<double, 7> kPaperProcessNoise = {1e-4, 1e-4, 1.0, 1.0, 1e-2, 1e-2, 1e7};
 constexpr double kPaperMeasurementNoise = 1e-4;
 
-// Blocks are taken so many at a time, in lanes: the code for it, long since pushed out of the
-// processor's nearest memory, is then run several times in a row.
+// Blocks are taken so many at a time, in lanes: the code for it, which has long since left the
+// instruction cache, is then run several times in a row.
 constexpr int kMostWaiting = 4 * static_cast<int>(kLanes);
 static_assert(kMostWaiting <= static_cast<int>(BlockChain::kReach));
 

@@ -243,7 +243,8 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN const IntervalUpdate& IntervalFilter::s
 }
 
 /// What is measured of the axes tells of the parameters, on which it depends by `regression`, given
-/// them with covariance `conditional`, noise and all. Gives what the parameters gain.
+/// them with covariance `conditional`, noise and all. Gives what the parameters gain. Notes the
+/// update, and whether the noise is one: inputs beyond all reason can make some that is not.
 inline ParameterLanes IntervalFilter::measureParameters(const ParameterRows& regression,
                                                         const Square& conditional,
                                                         const TwoLanes& innovation,
@@ -254,7 +255,6 @@ inline ParameterLanes IntervalFilter::measureParameters(const ParameterRows& reg
   store(outcome.innovation_covariance.first, update_.innovation_covariance.data());
   store(outcome.innovation_covariance.second, update_.innovation_covariance.data() + 2);
   update_.normalised_innovation_squared = outcome.normalised_innovation_squared;
-  // Inputs beyond all reason can make noise that no noise is like.
   update_.accepted = conditional.first[0] > 0.0 && determinant(conditional) > 0.0;
   return outcome.gained;
 }
@@ -371,16 +371,17 @@ StateMatrix IntervalFilter::covariance() const {
   return result;
 }
 
-RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN StateVector IntervalFilter::variance() const {
-  const Belief& belief = present();
-  const TwoLanes axes = belief.covariance.variance(belief.regression);
-  return stateOf(
-      TwoLanes{belief.conditional.first[0] + axes[0], belief.conditional.second[1] + axes[1]},
-      belief.covariance.variance());
-}
-
 RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN ParameterVector IntervalFilter::parameterVariance() const {
   return present().covariance.variance().vector();
+}
+
+StateVector IntervalFilter::variance() const {
+  const Belief& belief = present();
+  const TwoLanes axes = belief.covariance.variance(belief.regression);
+  StateVector result;
+  result << belief.conditional.first[0] + axes[0], belief.conditional.second[1] + axes[1],
+      parameterVariance();
+  return result;
 }
 
 }  // namespace ring_gyro

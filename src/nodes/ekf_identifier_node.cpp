@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 
+#include <cmath>
 #include <exception>
 #include <string>
 #include <utility>
@@ -133,8 +134,7 @@ void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& stat
   const char* const names[] = {"a [V]", "b [V]", "gamma 1",   "gamma 2",
                                "mu 1",  "mu 2",  "ks [1/s^2]"};
   for (int i = 0; i < 7; ++i) {
-    status.addf(names[i], "%.9g +- %.2g", now.estimate->value[i],
-                now.estimate->sigma(static_cast<StateIndex>(i)));
+    status.addf(names[i], "%.9g +- %.2g", now.estimate->value[i], std::sqrt(now.covariance(i, i)));
   }
 }
 

@@ -233,7 +233,7 @@ void toMessage(const ParameterEstimate& estimate, const StateMatrix& covariance,
   message.updated = estimate.updated;
   for (int i = 0; i < 7; ++i) {
     message.value[i] = estimate.value[i];
-    message.sigma[i] = estimate.sigma(static_cast<StateIndex>(i));
+    message.sigma[i] = std::sqrt(covariance(i, i));
     for (int j = 0; j < 7; ++j) message.covariance[7 * i + j] = covariance(i, j);
   }
   for (int i = 0; i < 2; ++i) {

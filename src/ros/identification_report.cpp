@@ -185,10 +185,9 @@ Json resultJson(const IdentificationResult& result, const LoopConfiguration& con
   if (const auto& estimate = report.estimate) {
     Json& parameters = json["parameters"] = Json::object();
     for (int i = 0; i < 7; ++i) {
-      parameters[kStates[i].name] = {
-          {"value", jsonNumber(estimate->value[i])},
-          {"sigma", jsonNumber(estimate->sigma(static_cast<StateIndex>(i)))},
-          {"unit", kStates[i].unit}};
+      parameters[kStates[i].name] = {{"value", jsonNumber(estimate->value[i])},
+                                     {"sigma", jsonNumber(std::sqrt(report.covariance(i, i)))},
+                                     {"unit", kStates[i].unit}};
     }
     json["residual_gamma"] = {jsonNumber(estimate->residual_gamma1),
                               jsonNumber(estimate->residual_gamma2)};

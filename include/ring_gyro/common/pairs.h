@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "ring_gyro/common/lanes.h"
 
 namespace ring_gyro {
@@ -7,8 +9,9 @@ namespace ring_gyro {
 // Algebra of two numbers, such as what belongs to a and b, in one register. Eigen writes them one
 // by one and reads them as two, for which a processor waits as long as for a division.
 
+/// Of each of the two numbers.
 inline TwoLanes magnitude(const TwoLanes& pair) {
-  using Whole = typename WholeLanes<TwoLanes>::Type;
+  using Whole = WholeLanes<TwoLanes>::Type;
   const Whole sign = Whole{} + (std::uint64_t{1} << 63);
   return (TwoLanes)((Whole)pair & ~sign);
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "ring_gyro/common/lanes.h"
 #include "ring_gyro/common/pairs.h"
 #include "ring_gyro/common/sine_cosine.h"
@@ -100,7 +102,7 @@ struct AxesDynamics {
     across_imaginary = er * across_i + ei * across_r;
   }
 
-  /// Of several `steps` at once: what `mean` makes of the lanes of each number.
+  /// One step in the place of several: what `mean` makes of the lanes of each number.
   template <typename Mean>
   AxesDynamics(const AxesDynamics<Lanes>& steps, const Mean& mean)
       : decay(steps.decay),
@@ -111,7 +113,9 @@ struct AxesDynamics {
         along_real(mean(steps.along_real)),
         along_imaginary(mean(steps.along_imaginary)),
         across_real(mean(steps.across_real)),
-        across_imaginary(mean(steps.across_imaginary)) {}
+        across_imaginary(mean(steps.across_imaginary)) {
+    static_assert(std::is_same<Real, double>::value, "lanes are several steps");
+  }
 
   AxesMatrix<Real> matrix(const DeviceParameters& device) const {
     const Real gamma = device.gamma1 * cosine + device.gamma2 * sine;
@@ -205,7 +209,8 @@ struct AxesRatePairs {
     return result;
   }
 
-  /// The parameters, given what is known of gamma along the axes and of mu across them.
+  /// Derivatives with respect to the parameters, from those with respect to gamma along the axes,
+  /// mu across them and ks.
   ParameterLanes row(double by_gamma, double by_mu, double by_drive_gain) const {
     return {FourLanes{at.cosine, at.sine, -at.sine, at.cosine} *
                 FourLanes{by_gamma, by_gamma, by_mu, by_mu},

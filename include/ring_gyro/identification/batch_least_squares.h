@@ -9,7 +9,7 @@
 #include "ring_gyro/identification/block_chain.h"
 #include "ring_gyro/identification/envelope_model.h"
 #include "ring_gyro/identification/extended_parameters.h"
-#include "ring_gyro/identification/extended_prior.h"
+#include "ring_gyro/identification/first_look.h"
 
 namespace ring_gyro {
 

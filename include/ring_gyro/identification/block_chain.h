@@ -39,6 +39,8 @@ class BlockChain {
     double rotation_rate = 0.0;
   };
 
+  /// How many blocks, the last with them, steps can be taken to; the longest delay is a block less,
+  /// with a longer one no block can be used.
   static constexpr std::size_t kReach = 32;
 
   explicit BlockChain(std::int64_t block_duration_ns);
@@ -58,8 +60,7 @@ class BlockChain {
 
   /// The same way as one step, for a ring whose envelope decays at `decay_rate` [1/s].
   void step(std::uint64_t sequence, double decay_rate, AveragedStep<double>& step) const;
-  /// Also the steps to the blocks that follow `sequence`, as far as there are any. Both for the
-  /// last kReach blocks.
+  /// Also the steps to the blocks that follow `sequence`, as far as there are any.
   void steps(std::uint64_t sequence, double decay_rate, AveragedStep<Lanes>& steps) const;
   /// Measured axes of `sequence`, or of it and the blocks that follow [V].
   template <typename Real>
@@ -69,6 +70,7 @@ class BlockChain {
   }
 
  private:
+  // The step to the oldest block within reach needs what acted the longest delay before it.
   static constexpr std::size_t kMemory = 2 * kReach;
   // What later blocks need of a block, each kind of number by itself.
   enum Kind {

@@ -10,7 +10,7 @@
 #include "ring_gyro/identification/block_chain.h"
 #include "ring_gyro/identification/envelope_filter.h"
 #include "ring_gyro/identification/extended_parameters.h"
-#include "ring_gyro/identification/extended_prior.h"
+#include "ring_gyro/identification/first_look.h"
 
 namespace ring_gyro {
 

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 
 #include "ring_gyro/common/lanes.h"
 #include "ring_gyro/common/pairs.h"
 #include "ring_gyro/common/unrolled.h"
 #include "ring_gyro/identification/parameter_lanes.h"
+#include "ring_gyro/identification/parameter_vector.h"
 
 namespace ring_gyro {
 
@@ -15,13 +15,12 @@ namespace ring_gyro {
 class FactoredCovariance {
  public:
   static constexpr int kSize = 5;
-  using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
   FactoredCovariance() = default;
 
   /// Parameters that are correlated with nothing.
-  explicit FactoredCovariance(const Vector& variance) {
+  explicit FactoredCovariance(const ParameterVector& variance) {
     for (int j = 0; j < kSize; ++j) diagonal_[j] = variance[j];
     for (int j = 1; j < kSize; ++j) {
       column(j) = FourLanes{};
@@ -108,13 +107,13 @@ class FactoredCovariance {
     double weight;
     TwoLanes factor;
   };
-  Gained add(double weight, const Vector& direction, ParameterRows& regression) {
+  Gained add(double weight, const ParameterVector& direction, ParameterRows& regression) {
     Eigen::Matrix<double, 2, kSize> rows;
     Numbers first, second;
     timesUpper(regression.first, first);
     timesUpper(regression.second, second);
     for (int j = 0; j < kSize; ++j) rows.col(j) << first[j], second[j];
-    Vector shape = direction;
+    ParameterVector shape = direction;
     Eigen::Vector2d row_shape = Eigen::Vector2d::Zero();
     for (int j = kSize - 1; j >= 0 && weight > 0.0; --j) {
       const double before = diagonal_[j];
@@ -150,12 +149,14 @@ class FactoredCovariance {
     return TwoLanes{of(regression.first), of(regression.second)};
   }
 
+  /// Of the parameters: the diagonal of the covariance.
   ParameterLanes variance() const {
     ParameterLanes result(FourLanes{diagonal_[0], 0.0, 0.0, 0.0}, diagonal_[4]);
     unrolled<1, kSize>([&](auto j) { result.mismatch += column(j) * (diagonal_[j] * column(j)); });
     return result;
   }
 
+  /// The covariance itself.
   Matrix matrix() const {
     Matrix upper = Matrix::Identity();
     for (int j = 1; j < kSize; ++j) {
@@ -185,19 +186,19 @@ class FactoredCovariance {
   FourLanes& column(int j) { return columns_[j - 1]; }
   const FourLanes& column(int j) const { return columns_[j - 1]; }
 
-  Eigen::Map<const Vector> diagonal() const { return Eigen::Map<const Vector>(diagonal_); }
+  Eigen::Map<const ParameterVector> diagonal() const {
+    return Eigen::Map<const ParameterVector>(diagonal_);
+  }
 
   /// U' row.
   void timesUpper(const ParameterLanes& row, Numbers& result) const {
     const FourLanes& mismatch = row.mismatch;
+    const Numbers numbers = {mismatch[0], mismatch[1], mismatch[2], mismatch[3], row.drive_gain};
+    // A constant of its own type is no index of a vector; its value is.
     unrolled<0, kSize>([&](auto j) {
-      constexpr int column_number = j;
-      double even = column_number < 4 ? mismatch[column_number % 4] : row.drive_gain;
+      double even = numbers[j];
       double odd = 0.0;
-      unrolled<0, j>([&](auto i) {
-        constexpr int row_number = i;
-        (i % 2 == 0 ? even : odd) += column(j)[row_number] * mismatch[row_number];
-      });
+      unrolled<0, j>([&](auto i) { (i % 2 == 0 ? even : odd) += column(j)[i.value] * numbers[i]; });
       result[j] = even + odd;
     });
   }

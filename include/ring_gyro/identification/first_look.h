@@ -16,9 +16,10 @@ struct FirstLook {
 /// Gathers blocks for a first look; all must be usable and follow one another.
 class FirstLookSum {
  public:
+  /// `drive`: envelope that acted [V]; `reference_frequency`: w [rad/s].
   void add(const Orbit& orbit, const Eigen::Vector2cd& drive, double reference_frequency);
-  /// Over blocks of `duration` [s], for a ring with this decay rate [1/s]; a ks that is not above
-  /// zero and finite when the drive does not sustain the orbit.
+  /// Over the blocks so far, at least one, of `duration` [s], for a ring with this decay rate
+  /// [1/s]; a ks that is not above zero and finite when the drive does not sustain the orbit.
   FirstLook look(double duration, double decay_rate) const;
 
  private:

@@ -24,7 +24,8 @@ struct IntervalNoise {
 
 /// Outcome of one update.
 struct IntervalUpdate {
-  /// false: a number was not finite, a variance below zero, or no sample; nothing was changed
+  /// false: a number was not finite, the noise of the measurement not positive definite, a variance
+  /// below zero, or no sample; nothing was changed
   bool accepted = false;
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();             ///< of the mean a, b [V]
   Eigen::Matrix2d innovation_covariance = Eigen::Matrix2d::Zero();  ///< [V^2]
@@ -83,7 +84,7 @@ class IntervalFilter {
   /// State at the end of the last interval.
   StateVector value() const;
   StateMatrix covariance() const;
-  StateVector variance() const;  ///< its diagonal
+  /// Diagonal of the covariance, as far as the parameters have it.
   ParameterVector parameterVariance() const;
 
  private:
@@ -102,6 +103,7 @@ class IntervalFilter {
     ParameterRows by_parameters;
   };
 
+  StateVector variance() const;
   const Belief& present() const { return beliefs_[present_]; }
   DeviceParameters device() const;
   void start();

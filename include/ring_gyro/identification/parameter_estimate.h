@@ -3,14 +3,15 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
+#include <stdexcept>
 
 #include "ring_gyro/common/block_stamp.h"
+#include "ring_gyro/identification/parameter_vector.h"
 
 namespace ring_gyro {
 
 using StateVector = Eigen::Matrix<double, 7, 1>;
 using StateMatrix = Eigen::Matrix<double, 7, 7>;
-using ParameterVector = Eigen::Matrix<double, 5, 1>;  ///< gamma1, gamma2, mu1, mu2, ks
 
 /// States of the identifier, equation (29).
 enum StateIndex { kA = 0, kB, kGamma1, kGamma2, kMu1, kMu2, kDriveGain };
@@ -27,7 +28,7 @@ struct ParameterEstimate {
   bool updated = false;           ///< whether this period's data entered the estimate
   /// Units of (29). Zero, with the initial variance, until the scale of ks has been found.
   StateVector value = StateVector::Zero();
-  /// Identifier::covariance() has the rest of it.
+  /// Variances of the parameters; Identifier::covariance() has those of a and b, and all else.
   ParameterVector parameter_variance = ParameterVector::Zero();
   /// Of the mean a, b over the period [V]; of its last block while filtering block by block.
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
@@ -39,8 +40,14 @@ struct ParameterEstimate {
   /// Every sigma below its limit and enough of the angle seen (IdentificationParameters).
   bool converged = false;
 
-  /// Of a parameter, not of kA or kB.
-  double variance(StateIndex index) const { return parameter_variance[index - kGamma1]; }
+  /// Of a parameter. Throws std::out_of_range for kA and kB.
+  double variance(StateIndex index) const {
+    if (index < kGamma1) {
+      throw std::out_of_range(
+          "variance of a or b: an estimate has those of the parameters, the covariance has all");
+    }
+    return parameter_variance[index - kGamma1];
+  }
   double sigma(StateIndex index) const { return std::sqrt(variance(index)); }
 };
 

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include "ring_gyro/common/lanes.h"
 #include "ring_gyro/common/pairs.h"
+#include "ring_gyro/identification/parameter_vector.h"
 
 namespace ring_gyro {
 
@@ -13,16 +12,14 @@ struct ParameterLanes {
   FourLanes mismatch = {};
   double drive_gain = 0.0;
 
-  using Vector = Eigen::Matrix<double, 5, 1>;
-
   ParameterLanes() = default;
   ParameterLanes(const FourLanes& of_mismatch, double of_drive_gain)
       : mismatch(of_mismatch), drive_gain(of_drive_gain) {}
-  explicit ParameterLanes(const Vector& vector) : drive_gain(vector[4]) {
+  explicit ParameterLanes(const ParameterVector& vector) : drive_gain(vector[4]) {
     load(vector.data(), mismatch);
   }
-  Vector vector() const {
-    Vector result;
+  ParameterVector vector() const {
+    ParameterVector result;
     store(mismatch, result.data());
     result[4] = drive_gain;
     return result;

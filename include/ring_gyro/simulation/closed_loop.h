@@ -28,6 +28,8 @@ struct LoopRecord {
 class ClosedLoop {
  public:
   explicit ClosedLoop(const LoopConfiguration& configuration);
+  ClosedLoop(const ClosedLoop&) = delete;
+  ClosedLoop& operator=(const ClosedLoop&) = delete;
 
   /// One block. What the record refers to is good until the next call.
   LoopRecord step();
@@ -45,7 +47,8 @@ class ClosedLoop {
   bool compensation_;
   bool started_ = false;
   std::int64_t start_ns_;
-  // Has yet to act: it does so a period after its data, just before the next one is made.
+  // Has yet to act: it does so a period after its data, just before the injector makes the next one
+  // in its place.
   const CompensationDecision* waiting_ = nullptr;
   std::int64_t end_ns_ = 0;  // of the last block
   const LoopOutput* output_ = nullptr;

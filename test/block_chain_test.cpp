@@ -1,0 +1,74 @@
+#include "ring_gyro/identification/block_chain.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "ring_gyro/common/angle.h"
+
+namespace ring_gyro {
+namespace {
+
+constexpr std::int64_t kBlock = 1000000;
+constexpr std::uint64_t kFirst = 1000;
+
+/// A usable block whose drive along x is its number.
+bool admit(BlockChain& chain, std::uint64_t sequence, double delay_blocks) {
+  OrbitalElements elements;
+  elements.stamp = {1, sequence, static_cast<std::int64_t>(sequence + 1) * kBlock, kBlock};
+  elements.group_delay = 1e-3 * delay_blocks;
+  elements.orbit = {1.0, 0.0, 0.3, -kPi / 2};
+  elements.status.amplitude_locked = elements.status.quadrature_locked =
+      elements.status.phase_locked = true;
+  ControlGains gains;
+  gains.stamp = elements.stamp;
+  gains.status = elements.status;
+  gains.reference_frequency = kTwoPi * 14e3;
+  gains.drive.sustain.x() = static_cast<double>(sequence);
+  return chain.admit(elements, gains, 0.0);
+}
+
+TEST(BlockChain, StepsHaveTheDriveThatActedADelayBefore) {
+  for (const double delay : {0.0, 1.0, 30.0, 31.0}) {
+    SCOPED_TRACE(delay);
+    BlockChain chain(kBlock);
+    std::uint64_t last = kFirst;
+    for (; last < kFirst + 300; ++last) {
+      const bool usable = admit(chain, last, delay);
+      EXPECT_EQ(usable, static_cast<double>(last - kFirst + 1) >= 2.0 * delay) << last;
+      if (!usable || last < kFirst + 200) continue;
+      for (std::uint64_t back = 0; back < BlockChain::kReach; ++back) {
+        const double acted = static_cast<double>(last - back) - delay;
+        AveragedStep<double> step;
+        chain.step(last - back, 0.0, step);
+        ASSERT_NEAR(step.x_real, acted, 1e-12 * acted) << last << " " << back;
+        EXPECT_EQ(chain.segments(last - back)[1].input.reference_frequency, kTwoPi * 14e3);
+        AveragedStep<Lanes> steps;
+        chain.steps(last - back, 0.0, steps);
+        for (std::size_t k = 0; k < std::min<std::uint64_t>(kLanes, back + 1); ++k) {
+          ASSERT_NEAR(steps.x_real[k], acted + static_cast<double>(k), 1e-12 * acted) << k;
+        }
+      }
+    }
+  }
+}
+
+TEST(BlockChain, DriveOfTwoBlocksActsWhereTheDelayIsNotWhole) {
+  BlockChain chain(kBlock);
+  for (std::uint64_t n = kFirst; n < kFirst + 200; ++n) admit(chain, n, 30.5);
+  const std::uint64_t oldest = kFirst + 200 - BlockChain::kReach;
+  AveragedStep<double> step;
+  chain.step(oldest, 0.0, step);
+  EXPECT_NEAR(step.x_real, static_cast<double>(oldest) - 30.5, 1e-9);
+}
+
+TEST(BlockChain, RefusesDelaysLongerThanItsMemory) {
+  BlockChain chain(kBlock);
+  for (std::uint64_t n = kFirst; n < kFirst + 300; ++n) EXPECT_FALSE(admit(chain, n, 31.5)) << n;
+  for (std::uint64_t n = kFirst + 300; n < kFirst + 600; ++n) {
+    EXPECT_FALSE(admit(chain, n, -1.0)) << n;
+  }
+}
+
+}  // namespace
+}  // namespace ring_gyro
