@@ -18,12 +18,6 @@ Eigen::Matrix2d matrixOf(const Square& matrix) {
   return result;
 }
 
-Eigen::Matrix<double, 2, 5> matrixOf(const ParameterRows& rows) {
-  Eigen::Matrix<double, 2, 5> result;
-  result << rows.first.vector().transpose(), rows.second.vector().transpose();
-  return result;
-}
-
 AxesDynamics<double> dynamicsAt(const AveragedModel& model, const Orbit& orbit,
                                 const AveragedInput& input) {
   return {model.decayRate(), model.angularFrequency(), averagedStep(orbit.theta, orbit.phi, input)};
@@ -94,15 +88,12 @@ AxesRates AveragedModel::axesRates(const Orbit& orbit, const DeviceParameters& d
   const AxesDynamics<double> dynamics = dynamicsAt(*this, orbit, input);
   const AxesRatePairs rates(dynamics, device);
   const TwoLanes axes = {orbit.a, orbit.b};
-  const TwoLanes by_gamma = rates.byGamma(axes);
-  const TwoLanes by_mu = rates.byMu(axes);
-  const ParameterRows by_parameters = {rates.row(by_gamma[0], by_mu[0], rates.force[0]),
-                                       rates.row(by_gamma[1], by_mu[1], rates.force[1])};
   AxesRates result;
   result.rate = vectorOf(rates.rate(axes));
   result.by_axes = matrixOf(rates.by_axes);
   result.by_angles = matrixOf(rates.byAngles(axes));
-  result.by_parameters = matrixOf(by_parameters);
+  result.by_parameters =
+      rates.byParameters(rates.byGamma(axes), rates.byMu(axes), rates.force).matrix();
   return result;
 }
 
@@ -115,7 +106,7 @@ AxesStep AveragedModel::axesStep(const Orbit& orbit, const DeviceParameters& dev
   step.axes = vectorOf(pairs.axes);
   step.by_axes = matrixOf(pairs.by_axes);
   step.rate_by_angles = matrixOf(pairs.rate_by_angles);
-  step.by_parameters = matrixOf(pairs.by_parameters);
+  step.by_parameters = pairs.by_parameters.matrix();
   return step;
 }
 

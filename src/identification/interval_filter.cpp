@@ -358,9 +358,7 @@ void IntervalFilter::addTo(Belief& belief, double weight, const ParameterVector&
 StateVector IntervalFilter::value() const { return stateOf(present().axes, present().parameters); }
 
 StateMatrix IntervalFilter::covariance() const {
-  Eigen::Matrix<double, 2, 5> regression;
-  regression << present().regression.first.vector().transpose(),
-      present().regression.second.vector().transpose();
+  const Eigen::Matrix<double, 2, 5> regression = present().regression.matrix();
   const FactoredCovariance::Matrix parameters = present().covariance.matrix();
   const Eigen::Matrix<double, 2, 5> cross = regression * parameters;
   StateMatrix result;

@@ -203,18 +203,22 @@ struct AxesRatePairs {
     result.axes = axes + (change * axes + device.drive_gain * by_drive_gain);
     const TwoLanes by_gamma = ofStep(byGamma(middle), byGamma(axes));
     const TwoLanes by_mu = ofStep(byMu(middle), byMu(axes));
-    result.by_parameters = {row(by_gamma[0], by_mu[0], by_drive_gain[0]),
-                            row(by_gamma[1], by_mu[1], by_drive_gain[1])};
+    result.by_parameters = byParameters(by_gamma, by_mu, by_drive_gain);
     result.rate_by_angles = byAngles(axes);
     return result;
   }
 
   /// Derivatives with respect to the parameters, from those with respect to gamma along the axes,
   /// mu across them and ks.
-  ParameterLanes row(double by_gamma, double by_mu, double by_drive_gain) const {
-    return {FourLanes{at.cosine, at.sine, -at.sine, at.cosine} *
-                FourLanes{by_gamma, by_gamma, by_mu, by_mu},
-            by_drive_gain};
+  ParameterRows byParameters(const TwoLanes& by_gamma, const TwoLanes& by_mu,
+                             const TwoLanes& by_drive_gain) const {
+    const FourLanes angles = {at.cosine, at.sine, -at.sine, at.cosine};
+    const auto row = [&](int axis) {
+      return ParameterLanes(
+          angles * FourLanes{by_gamma[axis], by_gamma[axis], by_mu[axis], by_mu[axis]},
+          by_drive_gain[axis]);
+    };
+    return {row(0), row(1)};
   }
 
  private:

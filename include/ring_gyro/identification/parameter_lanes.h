@@ -47,6 +47,12 @@ inline double sumOf(const ParameterLanes& lanes) {
 struct ParameterRows {
   ParameterLanes first;
   ParameterLanes second;
+
+  Eigen::Matrix<double, 2, 5> matrix() const {
+    Eigen::Matrix<double, 2, 5> result;
+    result << first.vector().transpose(), second.vector().transpose();
+    return result;
+  }
 };
 
 inline ParameterRows operator+(const ParameterRows& one, const ParameterRows& other) {
