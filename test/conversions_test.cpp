@@ -101,6 +101,7 @@ TEST(Conversions, DisplacementBlock) {
   block.reference_phase = values.next();
   block.reference_frequency = values.next();
   block.saturated_samples = 3;
+  block.clipped_drive_samples = 7;
   for (int i = 0; i < 200; ++i) {
     block.x.push_back(values.next());
     block.y.push_back(values.next());

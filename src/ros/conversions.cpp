@@ -128,6 +128,7 @@ void toMessage(const DisplacementBlock& block, ring_gyro_msgs::DisplacementBlock
   message.reference_phase = block.reference_phase;
   message.reference_frequency = block.reference_frequency;
   message.saturated_samples = block.saturated_samples;
+  message.clipped_drive_samples = block.clipped_drive_samples;
   message.x.assign(block.x.begin(), block.x.end());
   message.y.assign(block.y.begin(), block.y.end());
 }
@@ -139,6 +140,7 @@ void fromMessage(const ring_gyro_msgs::DisplacementBlock& message, DisplacementB
   block.reference_phase = message.reference_phase;
   block.reference_frequency = message.reference_frequency;
   block.saturated_samples = message.saturated_samples;
+  block.clipped_drive_samples = message.clipped_drive_samples;
   block.x.assign(message.x.begin(), message.x.end());
   block.y.assign(message.y.begin(), message.y.end());
 }

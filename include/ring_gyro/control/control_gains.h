@@ -15,7 +15,7 @@ struct LoopStatus {
   bool phase_locked = false;         ///< phi within 0.5 deg of -90 deg for 50 ms
   bool invalid_samples = false;      ///< NaN or infinite samples, or wrong count: the loops coast
   bool converter_saturated = false;  ///< samples at the end of the converter's range
-  bool drive_saturated = false;      ///< the drive that acted had been scaled to its limit
+  bool drive_saturated = false;      ///< the drive that acted was scaled to its limit, or clipped
 
   bool locked() const { return amplitude_locked && quadrature_locked && phase_locked; }
   bool usable() const {
