@@ -53,6 +53,10 @@ PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle p
       clock_(handle_.advertise<rosgraph_msgs::Clock>("/clock", 10)),
       diagnostics_(handle_, private_handle, private_handle.getNamespace(),
                    [this](auto& status) { report(status); }) {
+  // Should this node be started again with the same parameters, others must not take its blocks for
+  // those of this run.
+  private_handle.setParam("run/session",
+                          static_cast<int>(configuration.loop.run.followingSession()));
   drive_subscriber_ = handle_.subscribe<ring_gyro_msgs::DriveCommand>(
       topics::kDriveCommand, kUnlimited,
       [this](const ring_gyro_msgs::DriveCommand::ConstPtr& message) { onDriveCommand(*message); },
@@ -60,7 +64,7 @@ PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle p
   const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
   gate_ = std::make_unique<StartGate>(
       handle_, std::vector<StartGate::Requirement>{{displacement_, 1}, {truth_, required}},
-      [this] { start(); });
+      [this] { start(); }, std::vector<ros::Subscriber>{drive_subscriber_});
 }
 
 void PlantSimulatorNode::start() {

@@ -25,6 +25,8 @@ struct RunParameters {
   std::int64_t startNanoseconds() const;
   /// `session`, or one from the wall clock that no other start shares.
   std::uint32_t sessionIdentifier() const;
+  /// What `session` has to be for another start to be told from this one.
+  std::int64_t followingSession() const;
   /// Blocks in `duration`; 0: until stopped.
   std::uint64_t blocks(const ConverterParameters& converter) const;
   void declare(ParameterTable& table);
