@@ -13,11 +13,13 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "bag_message.h"
 #include "command_line.h"
 #include "ring_gyro/analysis/run_record.h"
 #include "ring_gyro/analysis/run_summary.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/ros/messages.h"
 #include "run_report.h"
@@ -94,6 +96,10 @@ RunRecord readBag(const std::string& path) {
 }
 
 void run(const Arguments& arguments) {
+  std::vector<std::string> outputs = seriesFiles(arguments.csv_directory);
+  outputs.push_back(arguments.json_file);
+  requireApart(outputs, {arguments.bag_file});
+  requireWritable(arguments.json_file);
   RunRecord record;
   try {
     record = readBag(arguments.bag_file);
