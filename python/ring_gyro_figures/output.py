@@ -31,7 +31,9 @@ MENDS = {
 def write_fault(path, reason: int) -> ToolError:
     mend = MENDS.get(reason, "choose a place that may be written to")
     if reason == errno.ENOENT:
-        mend = (f"the folder {os.path.dirname(path) or '.'} does not exist; make it or choose "
+        mend = "the shell has not replaced ~ here; write $HOME instead" \
+            if os.fspath(path).startswith("~") else (
+                f"the folder {os.path.dirname(path) or '.'} does not exist; make it or choose "
                 "another place")
     return ToolError(f"{path}: cannot be written: {os.strerror(reason)}; {mend}")
 

@@ -37,8 +37,7 @@ bool isUnsupported(int reason) {
 
 /// A file without a name, gone when it is closed.
 Descriptor namelessFile() {
-  std::string name =
-      (std::filesystem::temp_directory_path() / "ring_gyro_XXXXXX").string();
+  std::string name = (std::filesystem::temp_directory_path() / "ring_gyro_XXXXXX").string();
   Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
   if (!file.valid()) throw std::runtime_error(writeFault(name, errno));
   ::unlink(name.c_str());

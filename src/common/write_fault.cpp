@@ -28,6 +28,7 @@ std::string mendOf(const std::string& path, int reason) {
     case ELOOP:
       return "mend the link, or choose another place";
     case ENOENT: {
+      if (path[0] == '~') return "the shell has not replaced ~ here; write $HOME instead";
       const std::size_t slash = path.rfind('/');
       const std::string folder = slash == std::string::npos ? "."
                                  : slash == 0               ? "/"

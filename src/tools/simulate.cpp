@@ -92,7 +92,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
     progress.show(loop.time());
   }
   if (recorder) {
-    recorder->finish(summary.last);
+    recorder->finish(summary.last, blocks != 0 && summary.last.sequence + 1 < blocks);
     summary.messages = recorder->messages();
   }
   summary.simulated = loop.time();

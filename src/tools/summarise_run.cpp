@@ -87,6 +87,9 @@ RunRecord readBag(const std::string& path) {
   PlantTruth truth;
   ParameterEstimate estimate;
   for (const rosbag::MessageInstance& instance : view) {
+    if (const auto end = instance.instantiate<ring_gyro_msgs::EndOfRun>()) {
+      record.end(end->session, end->last_sequence);
+    }
     if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements)) record.add(elements);
     if (readIf<ring_gyro_msgs::ControlGains>(instance, gains)) record.add(gains);
     if (readIf<ring_gyro_msgs::PlantTruth>(instance, truth)) record.add(truth);
