@@ -86,7 +86,7 @@ plain() { # a line of a log without colours, level and time
   sed 's/\x1b\[[0-9;]*m//g; s/^\[ *[A-Z]*\] *\(\[[^]]*\]\)*: *//'
 }
 
-rm -f "$bag" "$bag.active"
+rm -f "$bag" "$bag".*.active
 compensate_after=$(python3 -c "print(round(0.51 * $duration, 1))")
 echo "simulating $duration s of $preset, compensation from $compensate_after s (log: $log)"
 roslaunch -p "$port" ring_gyro simulation.launch preset:="$preset" duration:="$duration" \
@@ -116,8 +116,13 @@ fatal=$(grep -a -m 1 '\[FATAL\]' "$log" | plain || true)
 [ "$status" -eq 0 ] || fail "roslaunch ended with status $status; see $log"
 [ -f "$bag" ] || fail "the run left no bag; see $log"
 
-rosrun ring_gyro summarise_run "$bag" --json "$output/summary.json" --csv "$output" |
-  tee "$output/summary.txt"
+rosrun ring_gyro summarise_run "$bag" --json "$output/summary.json" --csv "$output" \
+  >"$output/summary.txt" || fail "$bag cannot be summarised"
+if grep -q '"cut": true' "$output/summary.json"; then
+  dead=$(grep -a -m 1 -A 1 'REQUIRED process' "$log" | plain | tr '\n' ' ' | cut -c 1-200 || true)
+  fail "the run was cut before its end; what there is of it is in $bag. $dead(see $log)"
+fi
+cat "$output/summary.txt"
 echo
 echo "plots:"
 "$root/scripts/plot_run.py" "$output" || fail "no plots"

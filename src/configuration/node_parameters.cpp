@@ -20,6 +20,10 @@ void NodeParameters::declare(ParameterTable& table) {
                "end of an identifier period: the readers wake up less often; in real time 1")
       .number("clock_rate", clock_rate, "Hz", Range::between(1.0, 100.0), "of /clock, in wall time")
       .text("imu_frame", imu_frame, {}, "frame_id of the sensed rate")
+      .text("configuration_file", configuration_file, {},
+            "that these parameters come from: no output may be the same file")
+      .text("calibration_read", calibration_read, {},
+            "calibration that these parameters come from too: no output may be the same file")
       .text("bag", bag, {}, "file that the recorder writes")
       .flag("record_raw", record_raw, "record samples and drive commands too")
       .text("calibration_file", calibration_file, {}, "YAML file that a calibration run writes")

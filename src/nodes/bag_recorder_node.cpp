@@ -58,6 +58,7 @@ BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*priva
 
 BagRecorderNode::~BagRecorderNode() {
   // Stopped before the end of the run: what has come so far is a whole bag too.
+  if (!finished_) ROS_WARN("%s: the run was cut: stopped before its end", writer_.path().c_str());
   try {
     finish();
   } catch (const std::exception& error) {
@@ -73,7 +74,14 @@ void BagRecorderNode::record(const char* name, BlockOf blockOf) {
   topic.subscriber = handle_.subscribe<Message>(
       name, kUnlimited,
       [this, &topic, written_name, blockOf](const boost::shared_ptr<const Message>& message) {
-        writer_.write(written_name, *message);
+        if (finished_) return;
+        try {
+          writer_.write(written_name, *message);
+        } catch (const std::exception& error) {
+          finished_ = true;
+          host_.fail(error.what());
+          return;
+        }
         topic.complete_up_to = blockOf(*message);
         topic.any = true;
         reportProcessed();

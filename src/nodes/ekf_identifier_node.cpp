@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/topics.h"
 
@@ -25,6 +24,7 @@ EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle pri
       host_(std::move(host)),
       configuration_(configuration.loop),
       parameters_(configuration.node),
+      report_file_(parameters_.report),
       identifier_(configuration.loop,
                   [this](const ParameterEstimate& estimate, const StateMatrix& covariance) {
                     take(estimate, covariance);
@@ -95,9 +95,8 @@ void EkfIdentifierNode::leave() {
     ROS_WARN("%s", fault.c_str());
   }
   ROS_INFO("identification\n%s", identificationText(result, configuration_).c_str());
-  if (parameters_.report.empty()) return;
   try {
-    writeWholeFile(parameters_.report, identificationJson({result}, configuration_));
+    report_file_.finish(identificationJson({result}, configuration_));
   } catch (const std::exception& error) {
     host_.fail(error.what());
   }

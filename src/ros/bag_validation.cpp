@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/ros/run_ends.h"
 
 namespace ring_gyro {
 namespace {
@@ -44,6 +46,36 @@ struct Span {
     highest = std::max(highest, value);
   }
   double width() const { return highest - lowest; }
+};
+
+/// Whether each session goes up to the block that its plant announced as the last.
+class EndCheck {
+ public:
+  void add(const BlockStamp& stamp) {
+    BlockStamp& last = last_[stamp.session];
+    if (last.end_ns <= stamp.end_ns) last = stamp;
+  }
+
+  void report(const RunEnds& ends, std::vector<Finding>& findings) const {
+    for (const auto& [session, last] : last_) {
+      const auto end = ends.find(session);
+      const std::string where = formatted("block %llu of session %u at %.6f s",
+                                          static_cast<unsigned long long>(last.sequence),
+                                          static_cast<unsigned>(session), last.end());
+      if (end == ends.end()) {
+        findings.push_back({Severity::kWarning,
+                            "the run was cut after " + where +
+                                ": no end_of_run follows; record that topic too, until the end"});
+      } else if (end->second > last.sequence) {
+        findings.push_back({Severity::kWarning, "the run was cut after " + where +
+                                                    ": its last block is " +
+                                                    std::to_string(end->second)});
+      }
+    }
+  }
+
+ private:
+  std::map<std::uint32_t, BlockStamp> last_;  // by session
 };
 
 /// Stamps of one topic.
@@ -186,6 +218,7 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   StampCheck elements_stamps;
   StampCheck gains_stamps;
   MotionCheck motion;
+  EndCheck end;
   PairMerge merge([&motion](const OrbitalElements& elements, const ControlGains& gains) {
     motion.add(elements, gains);
   });
@@ -195,6 +228,7 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
       [&](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& time) {
         fromMessage(message, elements);
         elements_stamps.add(elements.stamp, time);
+        end.add(elements.stamp);
         merge.add(elements);
       },
       [&](const ring_gyro_msgs::ControlGains& message, const ros::Time& time) {
@@ -226,6 +260,7 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
                                                        "topic"});
   }
   motion.report(result.findings);
+  end.report(runEnds(path), result.findings);
   return result;
 }
 

@@ -15,6 +15,7 @@
 #include "harmonics_json.h"
 #include "progress_bar.h"
 #include "ring_gyro/calibration/calibration_report.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/calibration_run.h"
@@ -100,6 +101,7 @@ int main(int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     const LoopConfiguration configuration = configuration_options.read();
+    requireApart({output_file, json_file}, configuration.files);
     for (const std::string& file : {output_file, json_file}) requireWritable(file);
     const CalibrationResult result = calibrate(configuration);
     std::printf("\n%s", calibrationText(result).c_str());

@@ -17,6 +17,7 @@
 #include "bag_message.h"
 #include "command_line.h"
 #include "progress_bar.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/logs/log_table.h"
 #include "ring_gyro/ros/pair_merge.h"
@@ -68,6 +69,7 @@ void requireTopics(rosbag::View& view) {
 }
 
 void exportBag(const Arguments& arguments) {
+  requireApart({arguments.log_file}, {arguments.bag_file});
   rosbag::Bag bag(arguments.bag_file);
   rosbag::View view(bag, rosbag::TypeQuery(std::vector<std::string>{"ring_gyro/OrbitalElements",
                                                                     "ring_gyro/ControlGains"}));

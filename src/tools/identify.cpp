@@ -21,6 +21,7 @@
 #include "command_line.h"
 #include "device_options.h"
 #include "progress_bar.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/identification/extended_identifier.h"
 #include "ring_gyro/ros/bag_identification.h"
@@ -244,8 +245,7 @@ std::string extendedText(const std::vector<std::string>& bags, const Arguments& 
 
 /// Tables, lines about faults, JSON. Returns the exit status.
 int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
-           const LoopConfiguration& configuration) {
-  const std::string& json_file = arguments.json_file;
+           const LoopConfiguration& configuration, WholeFile& json) {
   std::vector<IdentificationResult> results;
   bool failed = false;
   bool faulty = false;
@@ -277,9 +277,7 @@ int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
     faulty = faulty || !faults.empty() || !result.damage.empty();
     results.push_back(result);
   }
-  if (!json_file.empty() && !results.empty()) {
-    writeWholeFile(json_file, identificationJson(results, configuration));
-  }
+  if (!results.empty()) json.finish(identificationJson(results, configuration));
   return failed ? kFailed : faulty ? kIdentifiedWithFaults : kIdentified;
 }
 
@@ -293,9 +291,12 @@ int main(int argc, char** argv) {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;
     const LoopConfiguration configuration = arguments->device.read();
-    requireWritable(arguments->json_file);
+    std::vector<std::string> inputs = arguments->bags;
+    inputs.insert(inputs.end(), configuration.files.begin(), configuration.files.end());
+    requireApart({arguments->json_file, arguments->estimates_file}, inputs);
+    WholeFile json(arguments->json_file);
     Identification identification(*arguments, configuration);
-    return report(identification.run(), *arguments, configuration);
+    return report(identification.run(), *arguments, configuration, json);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "identify: %s\n", error.what());
     return kFailed;

@@ -15,6 +15,7 @@
 #include "harmonics_json.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/simulation/calibration_judgement.h"
 
@@ -120,6 +121,7 @@ int main(int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     const LoopConfiguration configuration = configuration_options.read();
+    requireApart({json_file}, configuration.files);
     requireWritable(json_file);
     const nlohmann::json rows = judge(configuration, time, each_switch);
     if (!json_file.empty()) writeWholeFile(json_file, rows.dump(1) + "\n");

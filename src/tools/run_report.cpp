@@ -131,6 +131,9 @@ std::string summaryText(const RunRecord& record, const RunSummary& summary) {
   text += formatted("run: %.3f s, %zu blocks, %zu missing, %zu unlocked after the first lock\n",
                     summary.duration, record.blocks().size(), summary.missing_blocks,
                     summary.unlocked_blocks);
+  if (record.cut()) {
+    text += "the run was cut: its end_of_run is not in the bag, or its last blocks are not\n";
+  }
   if (summary.ring_up_time) {
     text += formatted("ring-up: all loops locked after %.3f s\n", *summary.ring_up_time);
   } else {
@@ -169,6 +172,7 @@ std::string summaryJson(const RunRecord& record, const RunSummary& summary) {
                {"blocks", record.blocks().size()},
                {"missing_blocks", summary.missing_blocks},
                {"unlocked_blocks", summary.unlocked_blocks},
+               {"cut", record.cut()},
                {"ring_up_s", summary.ring_up_time ? Json(*summary.ring_up_time) : Json(nullptr)}};
   root["loop_errors"] = nullptr;
   if (const auto& errors = summary.loop_errors) {

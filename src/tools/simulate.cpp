@@ -15,6 +15,7 @@
 #include "configuration_options.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/ros/loop_recorder.h"
 #include "ring_gyro/simulation/closed_loop.h"
@@ -68,9 +69,12 @@ std::optional<Arguments> parse(int argc, char** argv) {
 }
 
 Summary simulate(const LoopConfiguration& configuration, const Arguments& arguments) {
+  requireApart({arguments.output_file}, configuration.files);
   ClosedLoop loop(configuration);
   std::optional<LoopRecorder> recorder;
   if (!arguments.output_file.empty()) recorder.emplace(arguments.output_file, arguments.raw);
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
   const std::uint64_t blocks = configuration.run.blocks(configuration.converter);
   ProgressBar progress(configuration.run.duration);
   Summary summary;
@@ -88,7 +92,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
     progress.show(loop.time());
   }
   if (recorder) {
-    recorder->finish(summary.last);
+    recorder->finish(summary.last, blocks != 0 && summary.last.sequence + 1 < blocks);
     summary.messages = recorder->messages();
   }
   summary.simulated = loop.time();
@@ -147,8 +151,6 @@ int main(int argc, char** argv) {
     std::vector<std::string> overrides;
     if (!arguments->duration.empty()) overrides.push_back("run/duration=" + arguments->duration);
     const LoopConfiguration configuration = arguments->configuration.read(overrides);
-    std::signal(SIGINT, [](int) { interrupted = 1; });
-    std::signal(SIGTERM, [](int) { interrupted = 1; });
     print(simulate(configuration, *arguments), configuration, *arguments);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

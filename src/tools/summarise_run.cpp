@@ -13,11 +13,13 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "bag_message.h"
 #include "command_line.h"
 #include "ring_gyro/analysis/run_record.h"
 #include "ring_gyro/analysis/run_summary.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/ros/messages.h"
 #include "run_report.h"
@@ -85,6 +87,9 @@ RunRecord readBag(const std::string& path) {
   PlantTruth truth;
   ParameterEstimate estimate;
   for (const rosbag::MessageInstance& instance : view) {
+    if (const auto end = instance.instantiate<ring_gyro_msgs::EndOfRun>()) {
+      record.end(end->session, end->last_sequence);
+    }
     if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements)) record.add(elements);
     if (readIf<ring_gyro_msgs::ControlGains>(instance, gains)) record.add(gains);
     if (readIf<ring_gyro_msgs::PlantTruth>(instance, truth)) record.add(truth);
@@ -94,6 +99,10 @@ RunRecord readBag(const std::string& path) {
 }
 
 void run(const Arguments& arguments) {
+  std::vector<std::string> outputs = seriesFiles(arguments.csv_directory);
+  outputs.push_back(arguments.json_file);
+  requireApart(outputs, {arguments.bag_file});
+  requireWritable(arguments.json_file);
   RunRecord record;
   try {
     record = readBag(arguments.bag_file);

@@ -19,6 +19,9 @@ struct NodeParameters {
   double clock_rate = 100.0;       ///< of /clock, in wall time [Hz]
   std::string imu_frame = "ring_gyro";  ///< frame_id of the sensed rate
 
+  std::string configuration_file;  ///< that these parameters come from
+  std::string calibration_read;    ///< calibration that these parameters come from too
+
   std::string bag;          ///< file that the recorder writes
   bool record_raw = false;  ///< record samples and drive commands too
 

@@ -20,7 +20,7 @@ namespace ring_gyro {
 /// faster than real time does; and it does not know when a run is over.
 class BagRecorderNode {
  public:
-  /// Throws ConfigurationError without a file name, rosbag::BagException when it cannot be written.
+  /// Throws ConfigurationError without a file name, std::runtime_error when it cannot be written.
   BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                   const NodeConfiguration& configuration, NodeHost host);
   ~BagRecorderNode();

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/nodes/departure.h"
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
@@ -23,7 +24,8 @@ namespace ring_gyro {
 /// and then writes the report that the tool `identify` makes of a bag, if it is told where.
 class EkfIdentifierNode {
  public:
-  /// Throws std::invalid_argument naming what cannot be used.
+  /// Throws std::invalid_argument naming what cannot be used, std::runtime_error when the report
+  /// cannot be written.
   EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                     const NodeConfiguration& configuration, NodeHost host);
 
@@ -38,6 +40,7 @@ class EkfIdentifierNode {
   NodeHost host_;
   LoopConfiguration configuration_;
   NodeParameters parameters_;
+  WholeFile report_file_;
   StreamIdentifier identifier_;
   std::uint64_t not_delivered_ = 0;  // of the bag that is replayed
 

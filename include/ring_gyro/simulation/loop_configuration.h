@@ -56,6 +56,8 @@ struct LoopConfiguration {
   ExtendedParameters extended;
   InjectorParameters compensation;
   CalibrationRunParameters calibration_run;
+  /// Files that it was read from, that of the rotation included: no output may be one of them.
+  std::vector<std::string> files;
 
   /// The sections in the order of the file: run, converter, device, resonator, sense, drive,
   /// rotation, demodulation, control, calibration, identification, extended, compensation,
