@@ -19,8 +19,6 @@ constexpr double kLeastFollowing = 0.01;   // of the rate that the pattern was t
 constexpr double kSignificance = 3.0;      // of the amplitude of an order, in sigmas
 constexpr double kLongestUnusable = 20.0;  // without a usable block [s]
 constexpr double kApproachRate = 0.1;      // of steering to the worst angle [rad/s]
-constexpr double kLongestWindow = 0.1;     // of the rate fits [s]
-constexpr double kWindowsOfATurn = 64.0;   // at least
 
 double duration(const ConverterParameters& converter, double time) {
   const double block = converter.blockDuration();
@@ -33,16 +31,8 @@ std::string degreesPerSecond(double rate) {
   return text;
 }
 
-/// Window of the fit [s]: short against a turn, of two samples at least.
-double windowFor(const std::vector<AngleSample>& samples, double period) {
-  const double travel = std::abs(samples.back().theta - samples.front().theta);
-  const double time = samples.back().time - samples.front().time;
-  const double of_turn = kTwoPi * time / std::max(travel, 1e-9) / kWindowsOfATurn;
-  return std::max(2.0 * period, std::min(kLongestWindow, of_turn));
-}
-
 RateHarmonics fit(const std::vector<AngleSample>& samples, double period) {
-  return fitRateHarmonics(samples, windowFor(samples, period));
+  return fitRateHarmonics(samples, windowOfTurns(samples, period));
 }
 
 /// Of a coefficient, from what the halves of a leg differ by [rad/s].

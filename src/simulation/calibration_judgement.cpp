@@ -119,8 +119,11 @@ CalibrationJudgement judgeCalibration(LoopConfiguration configuration, double ra
   configuration.plant.rotation.rate = -rate;
   const Run backward = turn(configuration, time, part(0.5));
 
-  const RateHarmonics ahead = fitRateHarmonics(forward.output);
-  const RateHarmonics back = fitRateHarmonics(backward.output);
+  const double block = configuration.converter.blockDuration();
+  const RateHarmonics ahead =
+      fitRateHarmonics(forward.output, windowOfTurns(forward.output, block));
+  const RateHarmonics back =
+      fitRateHarmonics(backward.output, windowOfTurns(backward.output, block));
   CalibrationJudgement judgement;
   judgement.rate = rate;
   const double gain = configuration.device.angular_gain;
