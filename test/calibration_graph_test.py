@@ -3,6 +3,7 @@
 the loops load it."""
 
 import io
+import json
 import os
 import signal
 import socket
@@ -15,6 +16,7 @@ from pathlib import Path
 import rosbag
 import rospkg
 import rostest
+import yaml
 
 PACKAGE = Path(rospkg.RosPack().get_path("ring_gyro"))
 CONFIG = PACKAGE / "test" / "short_calibration.yaml"
@@ -34,9 +36,13 @@ def executable(name: str) -> str:
     return found.stdout.strip()
 
 
-def run(tool: str, *options) -> None:
-    subprocess.run([executable(tool)] + [str(option) for option in options], check=True,
-                   stdout=subprocess.DEVNULL)
+def run(tool: str, *options, status: int = 0) -> str:
+    """What it says on standard error; it must end with this status."""
+    done = subprocess.run([executable(tool)] + [str(option) for option in options], check=False,
+                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    if done.returncode != status:
+        raise AssertionError(f"{tool} ended with {done.returncode}: {done.stderr}")
+    return done.stderr
 
 
 def launch(name: str, **arguments) -> str:
@@ -131,6 +137,60 @@ class CalibrationGraph(unittest.TestCase):
         self.assertEqual(len(fatal), 1, log)
         self.assertIn(reason, fatal[0])
         self.assertRegex(log, r"calibration-\d+\] has died!\nprocess has died .*exit code 1")
+
+    def config_with(self, name: str, told: float, of_ring: float) -> Path:
+        """The short run with these angular gains."""
+        config = self.folder / f"{name}.yaml"
+        text = CONFIG.read_text()
+        for section, gain in (("device", told), ("resonator", of_ring)):
+            text = text.replace(f"\n{section}:\n", f"\n{section}:\n  angular_gain: {gain}\n")
+        config.write_text(text)
+        return config
+
+    def test_a_run_that_fails_later_keeps_what_it_had_found(self):
+        config = self.config_with("still_table", 1.0, 0.0)
+        alone = self.folder / "alone.yaml"
+        alone.write_text("of an earlier run\n")
+        said = run("calibrate", "--config", config, "--output", alone, status=1)
+        kept = Path(f"{alone}.partial")
+        self.assertIn(f"does the table turn?; what had been found is in {kept}", said)
+        self.assertEqual(alone.read_text(), "of an earlier run\n")
+        self.assertIn("# PARTIAL: the run has not ended. Missing: angle map, verification, rate "
+                      "threshold.\n", kept.read_text())
+        bag = self.folder / "with_partial.bag"
+        run("simulate", "--config", config, "--config", kept, "--duration", 0.2, "--output", bag)
+        written, commands, log = self.calibrate(config)
+        self.assertIsNone(written)
+        self.assertIn("angle map", commands[-1].failure)
+        partial = self.folder / "calibration.yaml.partial"
+        self.assertEqual(partial.read_bytes(), kept.read_bytes())
+        fatal = [line for line in log.splitlines() if "FATAL" in line]
+        self.assertEqual(len(fatal), 1, log)
+        self.assertIn(f"what had been found is in {partial}", fatal[0])
+
+    def test_any_angular_gain_is_calibrated_read_and_judged(self):
+        for told, of_ring in ((0.37, 0.37), (1.0, 0.37), (0.9, 0.9)):
+            with self.subTest(told=told, of_ring=of_ring):
+                config = self.config_with("gain", told, of_ring)
+                calibration, judged = self.folder / "gain_found.yaml", self.folder / "judged.json"
+                run("calibrate", "--config", config, "--output", calibration)
+                self.assertFalse(Path(f"{calibration}.partial").exists())
+                found = yaml.safe_load(calibration.read_text())["device"]["angular_gain"]
+                self.assertAlmostEqual(found / of_ring, 1.0, delta=1e-4)
+                run("judge_calibration", "--config", config, "--config", calibration, "--time", 3,
+                    "--json", judged)
+                rows = json.loads(judged.read_text())
+                self.assertEqual([row["rate"] for row in rows], [5.0])
+                self.assertLess(rows[0]["threshold"], 0.02)  # 0.17 when it is not calibrated
+
+    def test_a_judgement_that_cannot_be_made_is_no_success(self):
+        judged = self.folder / "judged.json"
+        said = run("judge_calibration", "--config", CONFIG, "--time", 1, "--json", judged,
+                   "--set", "calibration_run/verification_rates=[5.0, 0.001]",
+                   "--set", "resonator/angular_gain=0.0", status=2)
+        self.assertIn("2 of 2 judgements could not be made", said)
+        self.assertEqual(["failure" in row for row in json.loads(judged.read_text())],
+                         [True, True])
 
     def test_the_loops_load_a_calibration_over_their_configuration(self):
         calibration = self.folder / "calibration.yaml"

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "ring_gyro/calibration/calibration_report.h"
 #include "ring_gyro/calibration/rate_parity.h"
@@ -47,12 +49,14 @@ LoopConfiguration device() {
   return c;
 }
 
-CalibrationResult calibrated(const LoopConfiguration& configuration, std::string& failure) {
+CalibrationResult calibrated(const LoopConfiguration& configuration, std::string& failure,
+                             std::vector<CalibrationResult>* found = nullptr) {
   CalibrationRun run(configuration);
   while (run.time() < 1000.0) {
     const auto step = run.step();
     if (!step.command) continue;
     failure = step.command->failure;
+    if (found && step.command->found) found->push_back(run.result());
     if (step.command->finished || !failure.empty()) return run.result();
   }
   failure = "no end";
@@ -99,6 +103,99 @@ TEST(CalibrationRun, FindsAndCancelsWhatDependsOnTheAngle) {
   EXPECT_GT(was.slope_error, 5e-3);
   EXPECT_LT(is.slope_error, 1e-4);
   EXPECT_LT(toDegrees(is.forward_peak), 0.03);
+}
+
+/// `told`: k of the loops, `true_gain`: of the ring. Slow verification, which few turns fit into.
+LoopConfiguration deviceWithGain(double told, double true_gain) {
+  LoopConfiguration c = device();
+  c.device.angular_gain = told;
+  c.plant.resonator.angular_gain = true_gain;
+  c.calibration_run.table_time = 10.0;
+  c.calibration_run.verification_rates = {0.4};
+  c.calibration_run.verification_time = 10.0;
+  c.shareDevice();
+  return c;
+}
+
+class CalibrationOfGain : public ::testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(CalibrationOfGain, LegsAreSizedByTurnsOfThePattern) {
+  const auto [told, gain] = GetParam();
+  std::string failure;
+  const CalibrationResult result = calibrated(deviceWithGain(told, gain), failure);
+  ASSERT_EQ(failure, "");
+  EXPECT_NEAR(result.angular_gain / gain, 1.0, 1e-4);
+  ASSERT_EQ(result.verifications.size(), 1u);
+  const Verification& verification = result.verifications.front();
+  EXPECT_EQ(verification.rate, 0.4);
+  EXPECT_NEAR(verification.forward_scale, 0.0, 5e-4);
+  EXPECT_NEAR(verification.backward_scale, 0.0, 5e-4);
+  // All of them are rates of the case.
+  AngleHarmonics drift = verification.drift;
+  EXPECT_NEAR(verification.drift_peak_to_peak, peakToPeak(drift), 1e-15);
+  ASSERT_TRUE(result.threshold.has_value());
+  const ThresholdTest& test = *result.threshold;
+  EXPECT_NEAR(test.threshold, std::abs(largestMagnitude(drift).value), 1e-15);
+  EXPECT_EQ(std::abs(test.rate), 2.0 * test.threshold);
+  const double time = test.expected / (-result.angular_gain * test.rate);
+  EXPECT_NEAR(time, 20.0, 1.0);
+  EXPECT_LT(result.duration, 600.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(AngularGains, CalibrationOfGain,
+                         ::testing::Values(std::pair(0.37, 0.37), std::pair(1.0, 0.37),
+                                           std::pair(0.9, 0.9), std::pair(0.37, 1.0)));
+
+/// The drift of a pattern is that of the ring whatever k: as a rate of the case it is 1/k of it.
+TEST(CalibrationRun, JudgesRatesOfTheCase) {
+  LoopConfiguration one = withoutNoise(deviceWithGain(1.0, 1.0));
+  LoopConfiguration slow = withoutNoise(deviceWithGain(0.37, 0.37));
+  one.plant.resonator.gamma1 = slow.plant.resonator.gamma1 = 1e-3;
+  one.plant.resonator.gamma2 = slow.plant.resonator.gamma2 = 0.0;
+  one.plant.sense = slow.plant.sense = SenseParameters();
+  one.plant.drive = slow.plant.drive = DriveParameters();
+  // 3 s are under a turn and a quarter: it takes as long as the pattern needs.
+  const CalibrationJudgement of_one = judgeCalibration(one, 0.8, 3.0);
+  const CalibrationJudgement of_slow = judgeCalibration(slow, 0.8 / 0.37, 3.0);
+  EXPECT_NEAR(0.37 * of_slow.threshold / of_one.threshold, 1.0, 0.01);
+  EXPECT_NEAR(0.37 * of_slow.drift_peak_to_peak / of_one.drift_peak_to_peak, 1.0, 0.01);
+  EXPECT_NEAR(0.37 * of_slow.forward_peak / of_one.forward_peak, 1.0, 0.01);
+  slow.plant.resonator.angular_gain = 0.0;
+  EXPECT_THROW(judgeCalibration(slow, 0.8, 3.0), std::invalid_argument);
+}
+
+TEST(CalibrationRun, HandsOutEachStageWhenItIsFound) {
+  LoopConfiguration configuration = deviceWithGain(1.0, 1.0);
+  std::string failure;
+  std::vector<CalibrationResult> found;
+  const CalibrationResult result = calibrated(configuration, failure, &found);
+  ASSERT_EQ(failure, "");
+  const std::vector<std::string> stages = {"identification 1", "identification 2", "drift 1",
+                                           "drift 2",          "angle map",        "verification",
+                                           "rate threshold"};
+  ASSERT_EQ(found.size(), stages.size());
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    const auto first = stages.begin() + static_cast<std::ptrdiff_t>(k) + 1;
+    EXPECT_EQ(found[k].missing, std::vector<std::string>(first, stages.end())) << stages[k];
+    EXPECT_NEAR(found[k].calibration.gamma1, 0.03, 0.01);
+  }
+  EXPECT_EQ(found[0].drift_rounds.size(), 0u);
+  EXPECT_EQ(found[3].calibration.drift.cosine, result.calibration.drift.cosine);
+  EXPECT_FALSE(found[3].angle_map_measured);
+  // Verification comes last and changes nothing of what is written.
+  EXPECT_EQ(found[4].calibration.angle_map.sine, result.calibration.angle_map.sine);
+  EXPECT_EQ(found[4].angular_gain, result.angular_gain);
+}
+
+TEST(CalibrationRun, ATableThatDoesNotTurnIsNamedAndTheRestIsKept) {
+  LoopConfiguration configuration = deviceWithGain(1.0, 0.0);
+  std::string failure;
+  std::vector<CalibrationResult> found;
+  calibrated(configuration, failure, &found);
+  EXPECT_NE(failure.find("angle map"), std::string::npos) << failure;
+  EXPECT_NE(failure.find("does the table turn?"), std::string::npos) << failure;
+  ASSERT_EQ(found.size(), 4u);
+  EXPECT_EQ(found.back().missing.front(), "angle map");
 }
 
 TEST(CalibrationRun, AppliesNoAngleMapThatWasNotMeasured) {

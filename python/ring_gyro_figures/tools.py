@@ -50,12 +50,13 @@ def find_config(name: str) -> Path:
                     "config folder or source devel/setup.bash")
 
 
-def run_tool(name: str, *arguments) -> str:
-    """Its standard output; ToolError with its last line of complaint when it fails."""
+def run_tool(name: str, *arguments, allowed=(0,)) -> str:
+    """Its standard output; ToolError with its last line of complaint when it fails, which is when its
+    status is not one of `allowed`."""
     command = [find_tool(name), *map(str, arguments)]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                           check=False)
-    if done.returncode != 0:
+    if done.returncode not in allowed:
         lines = done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"]
         reason = lines[-1]
         raise ToolError(reason if reason.startswith(name + ":") else f"{name}: {reason}")

@@ -163,6 +163,15 @@ double RateHarmonics::rate(double theta) const {
   return coefficients(*this).dot(harmonicTerms(theta));
 }
 
+double windowOfTurns(const std::vector<AngleSample>& samples, double period) {
+  constexpr double kLongest = 0.1;          // [s]
+  constexpr double kWindowsOfATurn = 64.0;  // at least
+  const double travel = std::abs(samples.back().theta - samples.front().theta);
+  const double time = samples.back().time - samples.front().time;
+  const double of_turn = kTwoPi * time / std::max(travel, 1e-9) / kWindowsOfATurn;
+  return std::max(2.0 * period, std::min(kLongest, of_turn));
+}
+
 RateHarmonics fitRateHarmonics(const std::vector<AngleSample>& all_samples, double window) {
   const double period = samplePeriod(all_samples);
   const std::size_t count = windowSamples(window, period);

@@ -27,7 +27,7 @@ void CalibrationRunParameters::declare(ParameterTable& table) {
       .number("amplitude_modulation_frequency", amplitude_modulation_frequency, "Hz",
               Range::between(1e-3, 10.0), "of that swing")
       .number("drift_time", drift_time, "s", Range::between(1.0, 1e6),
-              "at each sign of the rate in a drift round, at least a turn and a quarter")
+              "at each sign of the rate in a drift round, at least 2.2 turns of the pattern")
       .number("last_drift_time", last_drift_time, "s", Range::between(1.0, 1e6),
               "the same in the last round, whose noise stays")
       .integer("drift_rounds", drift_rounds, Range::between(1.0, 10.0),
@@ -40,11 +40,13 @@ void CalibrationRunParameters::declare(ParameterTable& table) {
             "the case can be turned: measure the angle map, verify with true rotation")
       .number("table_rate", table_rate, "rad/s", Range::between(1e-3, 100.0),
               "of the case while the angle map is measured")
-      .number("table_time", table_time, "s", Range::between(1.0, 1e6), "of that at each sign")
+      .number("table_time", table_time, "s", Range::between(1.0, 1e6),
+              "of that at each sign, at least 2.2 turns of the pattern")
       .numbers("verification_rates", verification_rates, "rad/s", Range::between(1e-3, 100.0),
-               "rates at which the calibrated gyroscope is judged")
+               "of the case at which the calibrated gyroscope is judged; without a rate table, of "
+               "steering")
       .number("verification_time", verification_time, "s", Range::between(1.0, 1e6),
-              "at each of these rates and each sign, at least a turn and a quarter")
+              "at each of these rates and each sign, at least 2.2 turns of the pattern")
       .number("threshold_time", threshold_time, "s", Range::between(1.0, 1e6),
               "of turning at twice the rate threshold");
 }

@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kLeastSettling = 2.0;     // [s]
 constexpr double kTurnsOfALeg = 2.2;       // two whole turns, to tell turns from each other
+constexpr double kLeastTurns = 2.1;        // of these, where k or drift are not as was planned with
+constexpr double kLeastFollowing = 0.01;   // of the rate that the pattern was to turn at
 constexpr double kSignificance = 3.0;      // of the amplitude of an order, in sigmas
 constexpr double kLongestUnusable = 20.0;  // without a usable block [s]
 constexpr double kApproachRate = 0.1;      // of steering to the worst angle [rad/s]
-constexpr double kLongestWindow = 0.1;     // of the rate fits [s]
-constexpr double kWindowsOfATurn = 64.0;   // at least
 
 double duration(const ConverterParameters& converter, double time) {
   const double block = converter.blockDuration();
@@ -31,16 +31,8 @@ std::string degreesPerSecond(double rate) {
   return text;
 }
 
-/// Window of the fit [s]: short against a turn, of two samples at least.
-double windowFor(const std::vector<AngleSample>& samples, double period) {
-  const double travel = std::abs(samples.back().theta - samples.front().theta);
-  const double time = samples.back().time - samples.front().time;
-  const double of_turn = kTwoPi * time / std::max(travel, 1e-9) / kWindowsOfATurn;
-  return std::max(2.0 * period, std::min(kLongestWindow, of_turn));
-}
-
 RateHarmonics fit(const std::vector<AngleSample>& samples, double period) {
-  return fitRateHarmonics(samples, windowFor(samples, period));
+  return fitRateHarmonics(samples, windowOfTurns(samples, period));
 }
 
 /// Of a coefficient, from what the halves of a leg differ by [rad/s].
@@ -83,13 +75,6 @@ void keepSignificantOrders(AngleHarmonics& function, double sigma) {
   }
 }
 
-AngleHarmonics scaled(AngleHarmonics function, double factor) {
-  function.constant *= factor;
-  for (double& value : function.cosine) value *= factor;
-  for (double& value : function.sine) value *= factor;
-  return function;
-}
-
 }  // namespace
 
 CalibrationProcedure::CalibrationProcedure(const CalibrationRunParameters& parameters,
@@ -101,16 +86,20 @@ CalibrationProcedure::CalibrationProcedure(const CalibrationRunParameters& param
       converter_(converter),
       period_blocks_(static_cast<std::uint64_t>(period_blocks)),
       calibration_(initial) {
-  if (!(parameters.decayRate() > 0.0) || !(parameters.drive_gain > 0.0) || period_blocks <= 0) {
+  if (!(parameters.decayRate() > 0.0) || !(parameters.drive_gain > 0.0) ||
+      !(parameters.angular_gain > 0.0) || period_blocks <= 0) {
     throw std::invalid_argument(
-        "calibration: natural_frequency, quality_factor and drive_gain must be above zero, the "
-        "period at least one block");
+        "calibration: natural_frequency, quality_factor, drive_gain and angular_gain must be above "
+        "zero, the period at least one block");
   }
+  result_.angular_gain = parameters.angular_gain;
   const double rate =
       parameters.survey_rate > 0.0 ? parameters.survey_rate : 0.3 * parameters.decayRate();
   plan(rate);
+  result_.missing = missingStages();
   Leg survey;
   survey.stage = Stage::kSurvey;
+  survey.result = "survey";
   survey.name = "survey at " + degreesPerSecond(rate);
   survey.virtual_rate = rate;
   survey.settling = legs_.front().settling;
@@ -140,12 +129,14 @@ void CalibrationProcedure::plan(double rate) {
   if (parameters_.rate_table && !parameters_.verification_rates.empty()) {
     Leg approach;
     approach.stage = Stage::kToWorstAngle;
+    approach.result = "rate threshold";
     approach.name = "steering to the worst angle";
     approach.virtual_rate = kApproachRate;
     approach.duration = 1.1 * kTwoPi / kApproachRate;
     legs_.push_back(approach);
     Leg threshold;
     threshold.stage = Stage::kThreshold;
+    threshold.result = approach.result;
     threshold.name = "twice the rate threshold";
     threshold.settling = kLeastSettling;
     threshold.duration = parameters_.threshold_time;
@@ -159,15 +150,31 @@ void CalibrationProcedure::planPair(Stage stage, const std::string& name, double
   for (const double sign : {1.0, -1.0}) {
     Leg leg;
     leg.stage = stage;
+    leg.result = name;
     leg.name = name + " at " + degreesPerSecond(sign * rate);
     leg.virtual_rate = sign * virtual_rate;
     leg.table_rate = sign * table_rate;
     leg.settling = std::max(kLeastSettling, parameters_.settling_decays / parameters_.decayRate());
+    const double turns_time = kTurnsOfALeg * kTwoPi / patternRate(leg);
     leg.duration =
-        duration(converter_,
-                 std::max({asked, kTurnsOfALeg * kTwoPi / rate, 10.0 / parameters_.decayRate()}));
+        duration(converter_, std::max({asked, turns_time, 10.0 / parameters_.decayRate()}));
+    if (stage != Stage::kIdentification) leg.least_turn = kLeastTurns * kTwoPi;
     leg.second_of_pair = sign < 0.0;
     legs_.push_back(leg);
+  }
+}
+
+/// At which the pattern is to turn in this leg, by what is known of k [rad/s].
+double CalibrationProcedure::patternRate(const Leg& leg) const {
+  return std::max(std::abs(leg.virtual_rate), result_.angular_gain * std::abs(leg.table_rate));
+}
+
+/// Once k has been measured: the legs to come were planned with the k that was told. A leg that
+/// ends with turns enough is left as it is.
+void CalibrationProcedure::sizeLegs() {
+  for (auto leg = legs_.begin() + 1; leg != legs_.end(); ++leg) {
+    if (patternRate(*leg) * leg->duration >= leg->least_turn) continue;
+    leg->duration = duration(converter_, kTurnsOfALeg * kTwoPi / patternRate(*leg));
   }
 }
 
@@ -179,14 +186,21 @@ std::optional<CalibrationCommand> CalibrationProcedure::process(const OrbitalEle
   if ((stamp.sequence + 1) % period_blocks_ != 0) return std::nullopt;
 
   const std::uint64_t effective = stamp.sequence + 1 + period_blocks_;
-  if (running && stamp.sequence >= leg_begin_ && legOver()) {
+  bool found = false;
+  if (running && failure_.empty() && stamp.sequence >= leg_begin_) {
+    bool over = false;
     try {
-      finishLeg();
+      over = legOver();
+      if (over) finishLeg();
     } catch (const std::exception& error) {
       failure_ = legs_.front().name + ": " + error.what();
     }
-    if (failure_.empty()) {
+    if (over && failure_.empty()) {
+      const Stage stage = legs_.front().stage;
+      found = legs_.front().second_of_pair || stage == Stage::kThreshold;
       legs_.pop_front();
+      result_.missing = missingStages();
+      if (found) result_.calibration = calibrationForDevice();
       finished_ = legs_.empty();
       leg_begin_ = effective;
       settled_time_ = unusable_time_ = 0.0;
@@ -201,9 +215,9 @@ std::optional<CalibrationCommand> CalibrationProcedure::process(const OrbitalEle
   command.settings = settings();
   command.leg = finished_ ? "finished" : legs_.front().name;
   command.time_left = timeLeft();
+  command.found = found;
   command.finished = finished_;
   command.failure = failure_;
-  if (finished_) result_.calibration = calibrationForDevice();
   return command;
 }
 
@@ -239,9 +253,26 @@ void CalibrationProcedure::record(const OrbitalElements& elements, const Control
   output_.push_back({time, elements.angle});
 }
 
+/// By the pattern since the settling [rad].
+double CalibrationProcedure::turned() const {
+  return theta_.empty() ? 0.0 : std::abs(theta_.back().theta - theta_.front().theta);
+}
+
 bool CalibrationProcedure::legOver() const {
+  if (passed_worst_angle_) return true;
   const Leg& leg = legs_.front();
-  return passed_worst_angle_ || settled_time_ >= leg.settling + leg.duration;
+  const double time = settled_time_ - leg.settling;
+  if (time < leg.duration) return false;
+  if (turned() >= leg.least_turn) return true;
+  const double asked = std::max(std::abs(leg.virtual_rate), std::abs(leg.table_rate));
+  if (turned() < kLeastFollowing * asked * time) {
+    throw std::runtime_error(
+        "the pattern turned by " + std::to_string(toDegrees(turned())) + " deg in " +
+        std::to_string(time) + " s, less than a hundredth of that; " +
+        (leg.table_rate != 0.0 ? "is the gyroscope on the table, and does the table turn?"
+                               : "raise the rate above the drift"));
+  }
+  return false;
 }
 
 void CalibrationProcedure::finishLeg() {
@@ -362,6 +393,7 @@ void CalibrationProcedure::finishTable(const RateHarmonics& forward,
   result_.angle_map_measured = true;
   result_.angular_gain = angularGainOf(odd, parameters_.table_rate);
   result_.table_drift = evenPart(forward, backward);
+  sizeLegs();
 }
 
 void CalibrationProcedure::finishVerification(const RateHarmonics& forward,
@@ -369,12 +401,12 @@ void CalibrationProcedure::finishVerification(const RateHarmonics& forward,
   const Leg& leg = legs_.front();
   Verification verification;
   verification.rate = std::abs(parameters_.rate_table ? leg.table_rate : leg.virtual_rate);
-  verification.forward_peak = forward.peak_to_peak;
-  verification.backward_peak = backward.peak_to_peak;
   const double output_gain = parameters_.rate_table ? result_.angular_gain : 1.0;
+  verification.forward_peak = forward.peak_to_peak / output_gain;
+  verification.backward_peak = backward.peak_to_peak / output_gain;
   verification.forward_scale = -forward.mean_rate / (output_gain * verification.rate) - 1.0;
   verification.backward_scale = backward.mean_rate / (output_gain * verification.rate) - 1.0;
-  verification.drift = evenPart(forward, backward);
+  verification.drift = scaled(evenPart(forward, backward), 1.0 / output_gain);
   verification.drift_peak_to_peak = peakToPeak(verification.drift);
   result_.verifications.push_back(std::move(verification));
   const auto next = legs_.begin() + 1;
@@ -390,8 +422,8 @@ void CalibrationProcedure::aimAtWorstAngle() {
   ThresholdTest test;
   test.threshold = std::abs(worst.value);
   test.worst_angle = worst.theta;
-  // theta' = -k rate + drift: turn against the drift.
-  test.rate = 2.0 * worst.value / result_.angular_gain;
+  // theta' = k (drift - rate) with the drift as a rate of the case: turn against it.
+  test.rate = 2.0 * worst.value;
   result_.threshold = test;
   legs_.back().table_rate = test.rate;
 }
@@ -447,7 +479,23 @@ LoopSettings CalibrationProcedure::settings() const {
 double CalibrationProcedure::timeLeft() const {
   double time = 0.0;
   for (const Leg& leg : legs_) time += leg.settling + leg.duration;
-  return std::max(0.0, time - settled_time_);
+  if (legs_.empty()) return 0.0;
+  const Leg& now = legs_.front();
+  const double planned = now.settling + now.duration;
+  if (settled_time_ <= planned) return time - settled_time_;
+  // It goes on until the pattern has turned enough.
+  const double rate = turned() / (settled_time_ - now.settling);
+  const double longer = rate > 0.0 ? (now.least_turn - turned()) / rate : 0.0;
+  return std::max(0.0, longer) + time - planned;
+}
+
+/// Each once, in their order.
+std::vector<std::string> CalibrationProcedure::missingStages() const {
+  std::vector<std::string> stages;
+  for (const Leg& leg : legs_) {
+    if (stages.empty() || stages.back() != leg.result) stages.push_back(leg.result);
+  }
+  return stages;
 }
 
 }  // namespace ring_gyro

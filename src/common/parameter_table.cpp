@@ -68,19 +68,33 @@ ParameterTable& ParameterTable::numbers(std::string key, std::vector<double>& ta
   return *this;
 }
 
+ParameterTable& ParameterTable::add(Parameter parameter) {
+  parameters_.push_back(std::move(parameter));
+  return *this;
+}
+
 void requireInRange(const ParameterTable& table, const std::string& prefix) {
   std::string faults;
-  for (const Parameter& parameter : table.parameters()) {
-    const auto* const whole = std::get_if<std::int64_t*>(&parameter.target);
-    const auto* const number = std::get_if<double*>(&parameter.target);
-    if (!whole && !number) continue;
-    const double value = whole ? static_cast<double>(**whole) : **number;
-    if (parameter.range.contains(value)) continue;
+  const auto check = [&](const Parameter& parameter, const std::string& index, double value,
+                         const std::string& kind) {
+    if (parameter.range.contains(value)) return;
     std::ostringstream fault;
-    fault << (faults.empty() ? "" : "\n") << prefix << parameter.key << " = " << value
-          << ": out of range; allowed: " << parameter.range.text()
-          << (whole ? ", whole" : " [" + parameter.unit + "]");
+    fault.precision(10);
+    fault << (faults.empty() ? "" : "\n") << prefix << parameter.key << index << " = " << value
+          << ": out of range; allowed: " << parameter.range.text() << kind;
     faults += fault.str();
+  };
+  for (const Parameter& parameter : table.parameters()) {
+    const std::string unit = " [" + parameter.unit + "]";
+    if (const auto* const whole = std::get_if<std::int64_t*>(&parameter.target)) {
+      check(parameter, "", static_cast<double>(**whole), ", whole");
+    } else if (const auto* const number = std::get_if<double*>(&parameter.target)) {
+      check(parameter, "", **number, unit);
+    } else if (const auto* const list = std::get_if<std::vector<double>*>(&parameter.target)) {
+      for (std::size_t k = 0; k < (*list)->size(); ++k) {
+        check(parameter, "[" + std::to_string(k) + "]", (**list)[k], unit);
+      }
+    }
   }
   if (!faults.empty()) throw std::invalid_argument(faults);
 }

@@ -104,7 +104,12 @@ std::string store(const Parameter&, std::vector<double>*, const std::string&) {
   return "not a list of numbers";
 }
 
-std::string text(const double* value) { return textFromNumber(*value); }
+/// A parameter server takes a whole number for an integer, and has 32 bits for it.
+std::string text(const double* value) {
+  const std::string text = textFromNumber(*value);
+  const bool whole = text.find_first_not_of("-0123456789") == std::string::npos;
+  return whole && std::abs(*value) > 2147483647.0 ? text + ".0" : text;
+}
 std::string text(const std::int64_t* value) { return std::to_string(*value); }
 std::string text(const bool* value) { return *value ? "true" : "false"; }
 std::string text(const std::string* value) { return value->empty() ? "\"\"" : *value; }
@@ -112,7 +117,7 @@ std::string text(const std::vector<double>* values) {
   std::string result = "[";
   for (const double value : *values) {
     if (result.size() > 1) result += ", ";
-    result += textFromNumber(value);
+    result += text(&value);
   }
   return result + "]";
 }

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "ring_gyro/calibration/calibration_report.h"
-#include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/conversions.h"
@@ -34,7 +33,6 @@ const NodeConfiguration& checked(const NodeConfiguration& configuration) {
         "allowed: true");
   }
   if (!faults.empty()) throw ConfigurationError(std::move(faults));
-  requireWritable(configuration.node.calibration_file);
   return configuration;
 }
 
@@ -53,6 +51,7 @@ CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private
       merge_([this](const OrbitalElements& elements, const ControlGains& gains) {
         process(elements, gains);
       }),
+      file_(parameters_.calibration_file),
       output_(Output::advertise<ring_gyro_msgs::CalibrationCommand>(
           handle_, topics::kCalibrationCommand, true)),
       departure_(handle_, parameters_, {[this] { finish(); }, host_.fail}, {output_},
@@ -94,6 +93,7 @@ void CalibrationNode::process(const OrbitalElements& elements, const ControlGain
     }
     command_ = command;
     publish(*command, elements.stamp);
+    if (command->found && !command->finished) keep();
     if (!command->failure.empty()) fail(command->failure);
     if (command->finished) conclude();
   }
@@ -106,12 +106,22 @@ void CalibrationNode::publish(const CalibrationCommand& command, const BlockStam
   output_.publish(message);
 }
 
+/// What cannot be written or read now is not worth the rest of the run.
+void CalibrationNode::keep() {
+  try {
+    file_.keep(calibrationYaml(procedure_.result(), device_));
+  } catch (const std::exception& error) {
+    fail(error.what());
+    finish();
+  }
+}
+
 void CalibrationNode::conclude() {
   if (written_ || !failure_.empty()) return;
   const CalibrationResult& result = procedure_.result();
   ROS_INFO("calibration\n%s", calibrationText(result).c_str());
   try {
-    writeWholeFile(parameters_.calibration_file, calibrationYaml(result, device_));
+    file_.finish(calibrationYaml(result, device_));
   } catch (const std::exception& error) {
     fail(error.what());
     return;
@@ -138,7 +148,8 @@ void CalibrationNode::finish() {
   if (failure_.empty()) {
     host_.finish();
   } else {
-    host_.fail("no calibration: " + failure_);
+    host_.fail("no calibration: " + failure_ +
+               (file_.kept().empty() ? "" : "; what had been found is in " + file_.kept()));
   }
 }
 

@@ -22,6 +22,15 @@ struct Run {
   std::vector<double> true_theta;  // at the times of `output` [rad]
 };
 
+/// Time in which the pattern makes the turn and a quarter that the harmonics need [s].
+double turnTime(const LoopConfiguration& configuration, double rate) {
+  const double pattern_rate = configuration.plant.resonator.angular_gain * std::abs(rate);
+  if (pattern_rate > 0.0) return 1.25 * kTwoPi / pattern_rate;
+  throw std::invalid_argument(
+      "judgement: the pattern does not turn: the rate or "
+      "resonator/angular_gain is zero");
+}
+
 Run turn(const LoopConfiguration& configuration, double time,
          const std::function<void(double)>& progress) {
   ClosedLoop loop(configuration);
@@ -100,6 +109,7 @@ CalibrationJudgement judgeCalibration(LoopConfiguration configuration, double ra
                                       const std::function<void(double)>& progress) {
   configuration.control.virtual_rate = 0.0;
   configuration.plant.rotation = RotationParameters();
+  time = std::max(time, turnTime(configuration, rate));
   const auto part = [&](double done_before) -> std::function<void(double)> {
     if (!progress) return {};
     return [&progress, done_before](double done) { progress(done_before + 0.5 * done); };
@@ -109,13 +119,17 @@ CalibrationJudgement judgeCalibration(LoopConfiguration configuration, double ra
   configuration.plant.rotation.rate = -rate;
   const Run backward = turn(configuration, time, part(0.5));
 
-  const RateHarmonics ahead = fitRateHarmonics(forward.output);
-  const RateHarmonics back = fitRateHarmonics(backward.output);
+  const double block = configuration.converter.blockDuration();
+  const RateHarmonics ahead =
+      fitRateHarmonics(forward.output, windowOfTurns(forward.output, block));
+  const RateHarmonics back =
+      fitRateHarmonics(backward.output, windowOfTurns(backward.output, block));
   CalibrationJudgement judgement;
   judgement.rate = rate;
-  judgement.forward_peak = ahead.peak_to_peak;
-  judgement.backward_peak = back.peak_to_peak;
-  judgement.drift = evenPart(ahead, back);
+  const double gain = configuration.device.angular_gain;
+  judgement.forward_peak = ahead.peak_to_peak / gain;
+  judgement.backward_peak = back.peak_to_peak / gain;
+  judgement.drift = scaled(evenPart(ahead, back), 1.0 / gain);
   judgement.drift_peak_to_peak = peakToPeak(judgement.drift);
   judgement.threshold = std::abs(largestMagnitude(judgement.drift).value);
   judgement.angle_error = angleError({&forward, &backward});

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,7 +17,7 @@
 #include "progress_bar.h"
 #include "ring_gyro/calibration/calibration_report.h"
 #include "ring_gyro/common/output_target.h"
-#include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/common/staged_file.h"
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/calibration_run.h"
 
@@ -25,7 +26,10 @@ namespace {
 
 namespace options = boost::program_options;
 
-CalibrationResult calibrate(const LoopConfiguration& configuration) {
+using Result = std::function<void(const CalibrationResult&)>;
+
+/// `found`: takes what there is so far, each time that there is more.
+CalibrationResult calibrate(const LoopConfiguration& configuration, const Result& found) {
   CalibrationRun run(configuration);
   ProgressBar progress(0.0);
   std::string leg;
@@ -35,6 +39,7 @@ CalibrationResult calibrate(const LoopConfiguration& configuration) {
     if (!step.command) continue;
     if (!step.command->failure.empty()) throw std::runtime_error(step.command->failure);
     if (step.command->finished) return run.result();
+    if (step.command->found) found(run.result());
     progress.setTotal(run.time() + step.command->time_left);
     if (step.command->leg != leg) {
       leg = step.command->leg;
@@ -72,6 +77,7 @@ nlohmann::json jsonOf(const CalibrationResult& result) {
                                      {"drift_peak_to_peak", verification.drift_peak_to_peak},
                                      {"drift", jsonOf(verification.drift)}});
   }
+  if (!result.missing.empty()) json["missing"] = result.missing;
   if (result.threshold) {
     const ThresholdTest& test = *result.threshold;
     json["threshold"] = {{"threshold", test.threshold}, {"worst_angle", test.worst_angle},
@@ -79,6 +85,27 @@ nlohmann::json jsonOf(const CalibrationResult& result) {
                          {"expected", test.expected},   {"followed", test.followed()}};
   }
   return json;
+}
+
+void run(const LoopConfiguration& configuration, const std::string& output_file,
+         const std::string& json_file) {
+  StagedFile output(output_file);
+  StagedFile json(json_file);
+  const auto textOf = [](const CalibrationResult& result) { return jsonOf(result).dump(1) + "\n"; };
+  try {
+    const CalibrationResult result = calibrate(configuration, [&](const CalibrationResult& found) {
+      json.keep(textOf(found));
+      output.keep(calibrationYaml(found, configuration.device));
+    });
+    std::printf("\n%s", calibrationText(result).c_str());
+    json.finish(textOf(result));
+    output.finish(calibrationYaml(result, configuration.device));
+  } catch (const std::exception& error) {
+    if (output.kept().empty()) throw;
+    throw std::runtime_error(std::string(error.what()) + "; what had been found is in " +
+                             output.kept());
+  }
+  if (!output_file.empty()) std::printf("\ncalibration in %s\n", output_file.c_str());
 }
 
 }  // namespace
@@ -92,9 +119,11 @@ int main(int argc, char** argv) {
     std::string json_file;
     options::options_description description("calibrate");
     configuration_options.addTo(description);
-    description.add_options()("help,h", "this text")("output,o", options::value(&output_file),
-                                                     "YAML of the calibration")(
-        "json", options::value(&json_file), "file for what was measured, in SI units");
+    description.add_options()("help,h", "this text")(
+        "output,o", options::value(&output_file),
+        "YAML of the calibration; until it is complete, what has been found "
+        "is in OUTPUT.partial")("json", options::value(&json_file),
+                                "file for what was measured, in SI units");
     const options::variables_map values = parseCommandLine(argc, argv, description);
     if (values.count("help") != 0) {
       std::cout << "usage: calibrate --config FILE --output CALIBRATION.yaml\n" << description;
@@ -102,14 +131,7 @@ int main(int argc, char** argv) {
     }
     const LoopConfiguration configuration = configuration_options.read();
     requireApart({output_file, json_file}, configuration.files);
-    for (const std::string& file : {output_file, json_file}) requireWritable(file);
-    const CalibrationResult result = calibrate(configuration);
-    std::printf("\n%s", calibrationText(result).c_str());
-    if (!json_file.empty()) writeWholeFile(json_file, jsonOf(result).dump(1) + "\n");
-    if (!output_file.empty()) {
-      writeWholeFile(output_file, calibrationYaml(result, configuration.device));
-      std::printf("\ncalibration in %s\n", output_file.c_str());
-    }
+    run(configuration, output_file, json_file);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

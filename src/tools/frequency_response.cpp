@@ -19,6 +19,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/swept_sine.h"
 
 namespace ring_gyro {
@@ -55,15 +56,14 @@ bool parse(int argc, char** argv, Arguments& arguments) {
 }
 
 std::string deviceSection(const FrequencyResponseFit& fit) {
-  char text[512];
-  std::snprintf(text, sizeof text,
-                "# Measured by frequency_response: swept sine, fit of the response matrix.\n"
-                "device:\n"
-                "  natural_frequency: %.9g  # Hz\n"
-                "  quality_factor: %.6g  # 1\n"
-                "  drive_gain: %.6f  # 1/s^2\n",
-                fit.natural_frequency, fit.quality_factor, fit.device.drive_gain);
-  return text;
+  DeviceKnowledge device;
+  device.natural_frequency = fit.natural_frequency;
+  device.quality_factor = fit.quality_factor;
+  device.drive_gain = fit.device.drive_gain;
+  Section section{"device", {}};
+  device.declare(section.table);
+  return "# Measured by frequency_response: swept sine, fit of the response matrix.\n" +
+         configurationYaml(section, {"natural_frequency", "quality_factor", "drive_gain"});
 }
 
 std::string csvOf(const std::vector<FrequencyPoint>& points) {

@@ -1,5 +1,6 @@
 // rosrun ring_gyro judge_calibration: what a calibration is worth, on a simulated rate table.
 
+#include <algorithm>
 #include <boost/program_options.hpp>
 #include <cstdio>
 #include <cstdlib>
@@ -23,6 +24,8 @@ namespace ring_gyro {
 namespace {
 
 namespace options = boost::program_options;
+
+constexpr int kNotAllJudged = 2;  // exit status: the rows that could be judged are written
 
 struct Case {
   std::string name;
@@ -97,6 +100,13 @@ nlohmann::json judge(const LoopConfiguration& whole, double time, bool each_swit
   return rows;
 }
 
+std::string firstFailure(const nlohmann::json& rows) {
+  for (const nlohmann::json& row : rows) {
+    if (row.contains("failure")) return row["failure"].get<std::string>();
+  }
+  return "";
+}
+
 }  // namespace
 }  // namespace ring_gyro
 
@@ -110,7 +120,8 @@ int main(int argc, char** argv) {
     options::options_description description("judge_calibration");
     configuration_options.addTo(description);
     description.add_options()("help,h", "this text")(
-        "time", options::value(&time)->default_value(150.0), "at each rate and sign [s]")(
+        "time", options::value(&time)->default_value(150.0),
+        "at each rate and sign, at least a turn and a quarter of the pattern [s]")(
         "json", options::value(&json_file), "file for the same in SI units")(
         "each-switch", options::bool_switch(&each_switch),
         "also with each part of the calibration switched off");
@@ -125,7 +136,15 @@ int main(int argc, char** argv) {
     requireWritable(json_file);
     const nlohmann::json rows = judge(configuration, time, each_switch);
     if (!json_file.empty()) writeWholeFile(json_file, rows.dump(1) + "\n");
-    return EXIT_SUCCESS;
+    const auto failed = std::count_if(rows.begin(), rows.end(), [](const nlohmann::json& row) {
+      return row.contains("failure");
+    });
+    if (failed == 0) return EXIT_SUCCESS;
+    std::fprintf(stderr,
+                 "judge_calibration: %ld of %lu judgements could not be made; the first: %s\n",
+                 static_cast<long>(failed), static_cast<unsigned long>(rows.size()),
+                 firstFailure(rows).c_str());
+    return kNotAllJudged;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return EXIT_FAILURE;

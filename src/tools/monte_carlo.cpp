@@ -11,6 +11,7 @@
 #include <exception>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -127,10 +128,22 @@ Json byName(const std::array<double, 5>& values) {
   return json;
 }
 
+/// JSON has no NaN: it is written as null.
+double numberOf(const Json& json) {
+  return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
+}
+
 std::array<double, 5> byName(const Json& json) {
   std::array<double, 5> values{};
-  for (std::size_t k = 0; k < values.size(); ++k) values[k] = json.at(kMonteCarloParameters[k]);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] = numberOf(json.at(kMonteCarloParameters[k]));
+  }
   return values;
+}
+
+/// One line, whatever bytes a path in a message has.
+std::string textOf(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string lineOf(const MonteCarloItem& item, const std::string& batch) {
@@ -140,7 +153,7 @@ std::string lineOf(const MonteCarloItem& item, const std::string& batch) {
   json["seed"] = item.seed;
   if (!item.refused.empty()) {
     json["refused"] = item.refused;
-    return json.dump() + "\n";
+    return textOf(json);
   }
   json["natural_frequency"] = item.natural_frequency;
   json["quality_factor"] = item.quality_factor;
@@ -155,7 +168,7 @@ std::string lineOf(const MonteCarloItem& item, const std::string& batch) {
   json["sigma"] = byName(item.sigma);
   json["updates"] = item.updates;
   json["mean_normalised_innovation_squared"] = item.mean_normalised_innovation_squared;
-  return json.dump() + "\n";
+  return textOf(json);
 }
 
 MonteCarloItem itemOf(const Json& json) {
@@ -171,7 +184,7 @@ MonteCarloItem itemOf(const Json& json) {
   item.estimate = byName(json.at("estimate"));
   item.sigma = byName(json.at("sigma"));
   item.updates = json.at("updates");
-  item.mean_normalised_innovation_squared = json.at("mean_normalised_innovation_squared");
+  item.mean_normalised_innovation_squared = numberOf(json.at("mean_normalised_innovation_squared"));
   return item;
 }
 

@@ -11,8 +11,10 @@
 
 #include "command_line.h"
 #include "configuration_options.h"
+#include "ring_gyro/common/formatted.h"
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/mode_tuning.h"
 
 namespace ring_gyro {
@@ -23,17 +25,11 @@ namespace options = boost::program_options;
 std::string voltageSection(const TuningPass& pass) {
   ResonatorParameters ring;
   pass.squares.applyTo(ring);
-  char text[512];
-  std::snprintf(text, sizeof text,
-                "# Found by tune_modes: identified split %.3e Hz.\n"
-                "resonator:\n"
-                "  tuning_voltage_0: %.9f  # V\n"
-                "  tuning_voltage_90: %.9f  # V\n"
-                "  tuning_voltage_45: %.9f  # V\n"
-                "  tuning_voltage_135: %.9f  # V\n",
-                pass.split, ring.tuning_voltage_0, ring.tuning_voltage_90, ring.tuning_voltage_45,
-                ring.tuning_voltage_135);
-  return text;
+  Section section{"resonator", {}};
+  ring.declare(section.table);
+  return formatted("# Found by tune_modes: identified split %.3e Hz.\n", pass.split) +
+         configurationYaml(section, {"tuning_voltage_0", "tuning_voltage_90", "tuning_voltage_45",
+                                     "tuning_voltage_135"});
 }
 
 void run(const LoopConfiguration& configuration, const TuningOptions& tuning,

@@ -48,6 +48,10 @@ struct RateHarmonics {
 /// two samples, less than one whole turn was made, or windows are too few for the fit.
 RateHarmonics fitRateHarmonics(const std::vector<AngleSample>& samples, double window = 0.1);
 
+/// A window for the fit of these samples, which are `period` apart [s]: 0.1 s, or less where that
+/// is not short against a turn; two samples at least. There must be a sample.
+double windowOfTurns(const std::vector<AngleSample>& samples, double period);
+
 /// The rates of neighbouring windows by themselves, over all samples.
 /// Throws like fitRateHarmonics, but asks for no turn.
 std::vector<RateSample> windowedRates(const std::vector<AngleSample>& samples, double window = 0.1);

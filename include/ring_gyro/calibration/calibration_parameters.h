@@ -13,6 +13,8 @@ struct CalibrationRunParameters {
   double natural_frequency = 0.0;  ///< f0, as the loops were told [Hz]
   double quality_factor = 0.0;     ///< Q, as the loops were told
   double drive_gain = 0.0;         ///< ks, as the loops were told [1/s^2]
+  double angular_gain =
+      1.0;  ///< k, as the loops were told: turns of the pattern per turn of the case
 
   double survey_rate = 0.0;       ///< before anything is known; 0: 0.3 xi0 w0 [rad/s]
   double rate_margin = 4.0;       ///< steering over the drift xi0 w0 |gamma| that the survey found

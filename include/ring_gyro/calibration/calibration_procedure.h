@@ -23,6 +23,7 @@ struct CalibrationCommand {
   LoopSettings settings;
   std::string leg;         ///< what is being done, for people
   double time_left = 0.0;  ///< as planned now [s]
+  bool found = false;      ///< the result holds more than at the command before
   bool finished = false;   ///< the result is complete
   std::string failure;     ///< why the run cannot go on; empty: it can
 };
@@ -51,7 +52,8 @@ class CalibrationProcedure {
   std::optional<CalibrationCommand> process(const OrbitalElements& elements,
                                             const ControlGains& gains);
 
-  /// Complete once a command said finished.
+  /// Complete once a command said finished; until then it holds what has been found, from the first
+  /// identification on as a calibration that can be used, and names the stages that are missing.
   const CalibrationResult& result() const { return result_; }
 
  private:
@@ -67,17 +69,22 @@ class CalibrationProcedure {
   struct Leg {
     Stage stage = Stage::kSurvey;
     std::string name;
+    std::string result;  // what it is a part of, for people
     double virtual_rate = 0.0;
     double table_rate = 0.0;
-    double settling = 0.0;  // [s]
-    double duration = 0.0;  // after the settling [s]
+    double settling = 0.0;    // [s]
+    double duration = 0.0;    // after the settling [s]
+    double least_turn = 0.0;  // of the pattern after the settling, however long it takes [rad]
     bool second_of_pair = false;
   };
 
   void plan(double steering_rate);
   void planPair(Stage stage, const std::string& name, double virtual_rate, double table_rate,
                 double duration);
+  void sizeLegs();
   void record(const OrbitalElements& elements, const ControlGains& gains);
+  double patternRate(const Leg& leg) const;
+  double turned() const;
   bool legOver() const;
   void finishLeg();
   void finishSurvey();
@@ -92,6 +99,7 @@ class CalibrationProcedure {
   Calibration calibrationForDevice() const;
   LoopSettings settings() const;
   double timeLeft() const;
+  std::vector<std::string> missingStages() const;
 
   CalibrationRunParameters parameters_;
   ExtendedParameters identification_;

@@ -24,7 +24,9 @@ struct DriftRound {
   double sigma = 0.0;         ///< of a coefficient of `measured`, from turn to turn [rad/s]
 };
 
-/// The calibrated gyroscope at one rate and its opposite.
+/// The calibrated gyroscope at one rate and its opposite. All rates are those of the case, as the
+/// gyroscope reports them (the pattern turns k times as fast); without a rate table, of the
+/// pattern.
 struct Verification {
   double rate = 0.0;           ///< of the case, or of steering without a rate table [rad/s]
   double forward_peak = 0.0;   ///< harmonics of the output rate, peak to peak [rad/s]
@@ -37,7 +39,7 @@ struct Verification {
 
 /// Whether the angle follows twice the rate threshold from the angle that is worst for it.
 struct ThresholdTest {
-  double threshold = 0.0;    ///< largest |drift|, the constant included [rad/s]
+  double threshold = 0.0;    ///< rate of the case that the largest |drift| hides [rad/s]
   double worst_angle = 0.0;  ///< [rad]
   double rate = 0.0;    ///< of the case in the test, twice the threshold against the drift [rad/s]
   double turned = 0.0;  ///< of the output angle [rad]
@@ -48,19 +50,20 @@ struct ThresholdTest {
 
 /// Everything that a calibration run found.
 struct CalibrationResult {
-  Calibration calibration;                      ///< with the gains of `device`
-  double natural_frequency = 0.0;               ///< identified [Hz]
-  double quality_factor = 0.0;                  ///< identified
-  double drive_gain = 0.0;                      ///< identified ks [1/s^2]
-  double angular_gain = 1.0;                    ///< k from the rate table, 1 without one
-  double steering_rate = 0.0;                   ///< that was chosen [rad/s]
+  Calibration calibration;         ///< with the gains of `device`
+  double natural_frequency = 0.0;  ///< identified [Hz]
+  double quality_factor = 0.0;     ///< identified
+  double drive_gain = 0.0;         ///< identified ks [1/s^2]
+  double angular_gain = 1.0;       ///< k from the rate table, as it was told without one
+  double steering_rate = 0.0;      ///< that was chosen [rad/s]
   std::vector<IdentifiedParameter> parameters;  ///< of the last identification
   std::vector<DriftRound> drift_rounds;
   bool angle_map_measured = false;
   AngleHarmonics table_drift;  ///< even part while the map was measured [rad/s]
   std::vector<Verification> verifications;
   std::optional<ThresholdTest> threshold;
-  double duration = 0.0;  ///< of the run [s]
+  double duration = 0.0;             ///< of the run [s]
+  std::vector<std::string> missing;  ///< stages that are still to come; empty: it is complete
 };
 
 }  // namespace ring_gyro

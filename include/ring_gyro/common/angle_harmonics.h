@@ -27,6 +27,13 @@ struct AngleHarmonics {
 
   std::size_t orders() const { return cosine.size() > sine.size() ? cosine.size() : sine.size(); }
 
+  AngleHarmonics& operator*=(double factor) {
+    constant *= factor;
+    for (double& value : cosine) value *= factor;
+    for (double& value : sine) value *= factor;
+    return *this;
+  }
+
   AngleHarmonics& operator+=(const AngleHarmonics& other) {
     constant += other.constant;
     add(cosine, other.cosine);
@@ -57,5 +64,7 @@ struct AngleHarmonics {
     for (std::size_t i = 0; i < from.size(); ++i) to[i] += from[i];
   }
 };
+
+inline AngleHarmonics scaled(AngleHarmonics function, double factor) { return function *= factor; }
 
 }  // namespace ring_gyro

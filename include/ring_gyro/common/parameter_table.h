@@ -58,14 +58,16 @@ class ParameterTable {
   ParameterTable& numbers(std::string key, std::vector<double>& target, std::string unit,
                           Range range, std::string description);
 
+  ParameterTable& add(Parameter parameter);
+
   const std::vector<Parameter>& parameters() const { return parameters_; }
 
  private:
   std::vector<Parameter> parameters_;
 };
 
-/// Throws std::invalid_argument with a line for each number of the table that is not in its range;
-/// `prefix` stands before the keys: "extended/", "--".
+/// Throws std::invalid_argument with a line for each number of the table, those in lists too, that
+/// is not in its range; `prefix` stands before the keys: "extended/", "--".
 void requireInRange(const ParameterTable& table, const std::string& prefix);
 
 /// A section of the configuration: its name and its parameters.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "ring_gyro/calibration/calibration_procedure.h"
+#include "ring_gyro/common/staged_file.h"
 #include "ring_gyro/nodes/departure.h"
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
@@ -24,7 +25,8 @@ namespace ring_gyro {
 /// calibration as YAML in node/calibration_file.
 ///
 /// The last command has the plant end the run. When the run cannot go on, the reason is in that
-/// command, nothing is written, and the node fails once the others have left.
+/// command, and the node fails once the others have left; the calibration so far stays in
+/// node/calibration_file with ".partial" behind its name.
 class CalibrationNode {
  public:
   /// Throws ConfigurationError or std::invalid_argument naming what cannot be used,
@@ -36,6 +38,7 @@ class CalibrationNode {
   void start();
   void process(const OrbitalElements& elements, const ControlGains& gains);
   void publish(const CalibrationCommand& command, const BlockStamp& data);
+  void keep();
   void conclude();
   void fail(const std::string& why);
   void leave();
@@ -52,6 +55,7 @@ class CalibrationNode {
   ControlGains gains_;
   std::optional<BlockStamp> last_;
   std::optional<CalibrationCommand> command_;
+  StagedFile file_;
   bool written_ = false;
   std::string failure_;
 

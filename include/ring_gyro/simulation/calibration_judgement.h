@@ -7,7 +7,8 @@
 
 namespace ring_gyro {
 
-/// A simulated gyroscope on a rate table, judged by what only a simulation knows.
+/// A simulated gyroscope on a rate table, judged by what only a simulation knows. All rates are
+/// those of the case, as the gyroscope reports them with the k that it was told.
 struct CalibrationJudgement {
   double rate = 0.0;                ///< of the case, and its opposite [rad/s]
   double forward_peak = 0.0;        ///< harmonics of the output rate, peak to peak [rad/s]
@@ -21,7 +22,8 @@ struct CalibrationJudgement {
 };
 
 /// Turns the case of `configuration`, with its calibration and noise, at `rate` [rad/s] both ways
-/// for `time` [s] each, after the settling; steering is off. `progress`: share done, may be empty.
+/// for `time` [s] each, but at least a turn and a quarter of the pattern, after the settling;
+/// steering is off. `progress`: share done, may be empty.
 /// Throws std::runtime_error when the loops do not lock, std::invalid_argument when the pattern
 /// does not turn.
 CalibrationJudgement judgeCalibration(LoopConfiguration configuration, double rate, double time,
