@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "ring_gyro/ros/messages.h"
@@ -81,6 +82,11 @@ void BagRecorderNode::record(const char* name, BlockOf blockOf) {
           finished_ = true;
           host_.fail(error.what());
           return;
+        }
+        // The end of a run counts when it is of the run that is being recorded.
+        if constexpr (std::is_same_v<Message, ring_gyro_msgs::OrbitalElements> ||
+                      std::is_same_v<Message, ring_gyro_msgs::PlantTruth>) {
+          departure_.inSession(message->session);
         }
         topic.complete_up_to = blockOf(*message);
         topic.any = true;

@@ -6,17 +6,20 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <utility>
 
 #include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/pair_merge.h"
 
 namespace ring_gyro {
 namespace {
 
-/// Adds the rotation by sequence to `rotation` where there is one.
-void readTruth(const std::string& path, std::optional<PlantTruth>& truth,
-               std::map<std::uint64_t, double>& rotation) {
+/// Rotation of the case by session and sequence, where there is one.
+using Rotation = std::map<std::pair<std::uint32_t, std::uint64_t>, double>;
+
+void readTruth(const std::string& path, std::optional<PlantTruth>& truth, Rotation& rotation) {
   rosbag::Bag bag(path);
   rosbag::View view(bag, [](const rosbag::ConnectionInfo* connection) {
     return connection->datatype == ros::message_traits::datatype<ring_gyro_msgs::PlantTruth>();
@@ -27,9 +30,12 @@ void readTruth(const std::string& path, std::optional<PlantTruth>& truth,
       throw BagError(path + ": " + instance.getTopic() +
                      " is of another version of this package; leave it out with rosbag filter");
     }
+    if (faultOf(*message)) continue;
     PlantTruth found;
     fromMessage(*message, found);
-    if (found.rotation_rate != 0.0) rotation[found.stamp.sequence] = found.rotation_rate;
+    if (found.rotation_rate != 0.0) {
+      rotation[{found.stamp.session, found.stamp.sequence}] = found.rotation_rate;
+    }
     truth = found;
   }
 }
@@ -47,12 +53,12 @@ RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTop
   const ros::Time to = duration > 0.0 ? from + ros::Duration(duration) : ros::TIME_MAX;
 
   RecordedRun run;
-  std::map<std::uint64_t, double> rotation;
+  Rotation rotation;
   for (const LoopBag& bag : bags) {
     if (bag.hasIndex()) readTruth(bag.path(), run.truth, rotation);
   }
   PairMerge merge([&](const OrbitalElements& elements, const ControlGains& gains) {
-    const auto found = rotation.find(elements.stamp.sequence);
+    const auto found = rotation.find({elements.stamp.session, elements.stamp.sequence});
     run.pairs.push_back({elements, gains, found == rotation.end() ? 0.0 : found->second});
   });
   OrbitalElements elements;
@@ -60,11 +66,11 @@ RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTop
   for (LoopBag& bag : bags) {
     bag.read(
         [&](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& /*time*/) {
-          fromMessage(message, elements);
+          readChecked(message, elements);
           merge.add(elements);
         },
         [&](const ring_gyro_msgs::ControlGains& message, const ros::Time& /*time*/) {
-          fromMessage(message, gains);
+          readChecked(message, gains);
           merge.add(gains);
         },
         from, to);

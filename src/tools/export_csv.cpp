@@ -93,16 +93,21 @@ void exportBag(const Arguments& arguments) {
   ProgressBar progress(static_cast<double>(view.size()), "messages");
   OrbitalElements elements;
   ControlGains gains;
+  RefusedMessages refused;
   double messages = 0.0;
   for (const rosbag::MessageInstance& instance : view) {
-    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements)) merge.add(elements);
-    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains)) merge.add(gains);
+    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements, refused)) merge.add(elements);
+    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains, refused)) merge.add(gains);
     progress.show(messages += 1.0);
   }
   merge.flush();
   progress.clear();
-  if (rows == 0) throw std::runtime_error("no block has both its elements and its gains");
+  if (rows == 0) {
+    throw std::runtime_error("no block has both its elements and its gains" +
+                             (refused.count > 0 ? "; " + refused.text() : std::string()));
+  }
   out.finish();
+  if (refused.count > 0) std::fprintf(stderr, "export_csv: %s\n", refused.text().c_str());
   const PairMerge::Counts& counts = merge.counts();
   std::printf("exported   %lu rows to %s\n", static_cast<unsigned long>(rows),
               arguments.log_file.c_str());

@@ -39,7 +39,8 @@ constexpr int kIdentified = 0;
 constexpr int kFailed = 1;
 constexpr int kIdentifiedWithFaults = 2;
 constexpr char kExitText[] =
-    "\nExit status: 0 identified; 2 identified, but data was lost or unusable (lines on stderr); "
+    "\nExit status: 0 identified; 2 identified, but data was lost or unusable, or does not fit the "
+    "model (lines on stderr); "
     "1 at least one run could not be identified.\n";
 
 struct Arguments {
@@ -206,9 +207,14 @@ class Identification {
   std::size_t finished_ = 0;
 };
 
-/// The extended identifier over the same run, as a table for people.
-std::string extendedText(const std::vector<std::string>& bags, const Arguments& arguments,
-                         const LoopConfiguration& configuration) {
+struct ExtendedReport {
+  std::string text;    // a table for people
+  std::string misfit;  // as misfitOf()
+};
+
+/// The extended identifier over the same run.
+ExtendedReport extendedReport(const std::vector<std::string>& bags, const Arguments& arguments,
+                              const LoopConfiguration& configuration) {
   const BagIdentificationOptions& wanted = arguments.identification;
   const RecordedRun run =
       readRecordedRun(bags, wanted.topics, wanted.start, wanted.duration.value_or(0.0));
@@ -226,13 +232,18 @@ std::string extendedText(const std::vector<std::string>& bags, const Arguments& 
     nis_sum += last.normalised_innovation_squared;
     ++updates;
   }
-  if (!last.scaled) return "  extended     not identified: no complete period of usable blocks\n";
+  if (!last.scaled) {
+    return {"  extended     not identified: no complete period of usable blocks\n", ""};
+  }
   char line[160];
   std::string text;
+  const std::string misfit = misfitOf(static_cast<std::uint64_t>(updates), nis_sum, 4);
   std::snprintf(line, sizeof line,
                 "  extended     %s, Q %.8g, mean NIS %.3f of 4 over %d updates\n",
-                last.settled ? "settled" : "the cubic term is not found yet", last.quality_factor,
-                updates > 0 ? nis_sum / updates : 0.0, updates);
+                !misfit.empty() ? "does not fit"
+                : last.settled  ? "settled"
+                                : "the cubic term is not found yet",
+                last.quality_factor, updates > 0 ? nis_sum / updates : 0.0, updates);
   text += line;
   for (std::size_t k = 4; k < identifier.names().size(); ++k) {
     const auto state = static_cast<Eigen::Index>(k);
@@ -240,7 +251,7 @@ std::string extendedText(const std::vector<std::string>& bags, const Arguments& 
                   last.value[state], last.sigma(state));
     text += line;
   }
-  return text;
+  return {text, misfit};
 }
 
 /// Tables, lines about faults, JSON. Returns the exit status.
@@ -262,7 +273,10 @@ int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
     const std::string& source = result.sources.front();
     std::fputs(identificationText(result, configuration).c_str(), stdout);
     if (arguments.extended) {
-      std::fputs(extendedText(result.sources, arguments, configuration).c_str(), stdout);
+      const ExtendedReport extended = extendedReport(result.sources, arguments, configuration);
+      std::fputs(extended.text.c_str(), stdout);
+      if (!extended.misfit.empty()) say(source, "extended: " + extended.misfit);
+      faulty = faulty || !extended.misfit.empty();
     }
     std::fflush(stdout);
     for (const std::string& line : result.damage) say(source, line);

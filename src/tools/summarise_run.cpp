@@ -29,6 +29,12 @@ namespace {
 
 namespace options = boost::program_options;
 
+constexpr int kDoubtful = 2;
+constexpr char kExitText[] =
+    "\nExit status: 0 summarised; 2 summarised, but messages were left out or the identification "
+    "does "
+    "not fit its data (lines on stderr); 1 no summary.\n";
+
 struct Arguments {
   std::string bag_file;
   std::string json_file;
@@ -50,7 +56,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "of the rates [s]");
   const options::variables_map values = parseCommandLine(argc, argv, description, "bag", 1);
   if (values.count("help") != 0) {
-    std::cout << "usage: summarise_run BAG [--json FILE] [--csv DIRECTORY]\n" << description;
+    std::cout << "usage: summarise_run BAG [--json FILE] [--csv DIRECTORY]\n"
+              << description << kExitText;
     return std::nullopt;
   }
   if (arguments.bag_file.empty()) {
@@ -63,7 +70,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
 }
 
 /// Topics are told apart by type, so that namespaces and remapping do not matter.
-RunRecord readBag(const std::string& path) {
+RunRecord readBag(const std::string& path, RefusedMessages& refused) {
   rosbag::Bag bag(path);
   rosbag::View view(bag);
   std::map<std::string, std::string> topics;  // by type
@@ -90,22 +97,25 @@ RunRecord readBag(const std::string& path) {
     if (const auto end = instance.instantiate<ring_gyro_msgs::EndOfRun>()) {
       record.end(end->session, end->last_sequence);
     }
-    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements)) record.add(elements);
-    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains)) record.add(gains);
-    if (readIf<ring_gyro_msgs::PlantTruth>(instance, truth)) record.add(truth);
-    if (readIf<ring_gyro_msgs::ParameterEstimate>(instance, estimate)) record.add(estimate);
+    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements, refused)) record.add(elements);
+    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains, refused)) record.add(gains);
+    if (readIf<ring_gyro_msgs::PlantTruth>(instance, truth, refused)) record.add(truth);
+    if (readIf<ring_gyro_msgs::ParameterEstimate>(instance, estimate, refused))
+      record.add(estimate);
   }
   return record;
 }
 
-void run(const Arguments& arguments) {
+/// What a user may not overlook goes to standard error, a line each. Returns the exit status.
+int run(const Arguments& arguments) {
   std::vector<std::string> outputs = seriesFiles(arguments.csv_directory);
   outputs.push_back(arguments.json_file);
   requireApart(outputs, {arguments.bag_file});
   requireWritable(arguments.json_file);
   RunRecord record;
+  RefusedMessages refused;
   try {
-    record = readBag(arguments.bag_file);
+    record = readBag(arguments.bag_file, refused);
   } catch (const rosbag::BagException& error) {
     throw std::runtime_error(arguments.bag_file + ": " + error.what() +
                              "; is it a whole bag? One that was cut: rosbag reindex");
@@ -118,6 +128,13 @@ void run(const Arguments& arguments) {
     writeWholeFile(arguments.json_file, summaryJson(record, summary));
   }
   std::fputs(summaryText(record, summary).c_str(), stdout);
+  std::fflush(stdout);
+  const auto say = [&arguments](const std::string& line) {
+    if (!line.empty()) std::fprintf(stderr, "%s: %s\n", arguments.bag_file.c_str(), line.c_str());
+  };
+  say(refused.text());
+  say(summary.misfit);
+  return summary.misfit.empty() && refused.count == 0 ? EXIT_SUCCESS : kDoubtful;
 }
 
 }  // namespace
@@ -125,8 +142,8 @@ void run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   try {
-    if (const auto arguments = ring_gyro::parse(argc, argv)) ring_gyro::run(*arguments);
-    return EXIT_SUCCESS;
+    const auto arguments = ring_gyro::parse(argc, argv);
+    return arguments ? ring_gyro::run(*arguments) : EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "summarise_run: %s\n", error.what());
     return EXIT_FAILURE;

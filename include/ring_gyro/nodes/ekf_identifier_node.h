@@ -11,8 +11,10 @@
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
 #include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/refusals.h"
 #include "ring_gyro/nodes/replay_end.h"
 #include "ring_gyro/nodes/start_gate.h"
+#include "ring_gyro/nodes/use_watch.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/stream_identifier.h"
@@ -32,9 +34,10 @@ class EkfIdentifierNode {
  private:
   void start();
   void take(const ParameterEstimate& estimate, const StateMatrix& covariance);
-  void processed();
+  template <typename Message>
+  void add(const char* topic, const Message& message);
   void leave();
-  void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle handle_;
   NodeHost host_;
@@ -43,6 +46,8 @@ class EkfIdentifierNode {
   WholeFile report_file_;
   StreamIdentifier identifier_;
   std::uint64_t not_delivered_ = 0;  // of the bag that is replayed
+  Refusals refusals_;
+  UseWatch use_;
 
   Output estimate_output_;
   ros::Subscriber elements_subscriber_;
