@@ -51,8 +51,8 @@ CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private
       merge_([this](const OrbitalElements& elements, const ControlGains& gains) {
         process(elements, gains);
       }),
-      file_(parameters_.calibration_file),
       block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
+      file_(parameters_.calibration_file),
       output_(Output::advertise<ring_gyro_msgs::CalibrationCommand>(
           handle_, topics::kCalibrationCommand, true)),
       departure_(handle_, parameters_, {[this] { finish(); }, host_.fail}, {output_},
