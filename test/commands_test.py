@@ -9,10 +9,10 @@ import re
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
+
+import junit
 
 PROGRAMS, CONFIG = Path(sys.argv[1]), Path(sys.argv[2])
 
@@ -148,37 +148,5 @@ class Paper(unittest.TestCase):
         self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
 
 
-class Recorder(unittest.TextTestResult):
-    """Remembers what a result file of JUnit holds."""
-
-    def __init__(self, *arguments, **named):
-        super().__init__(*arguments, **named)
-        self.cases = []
-
-    def startTest(self, test):
-        super().startTest(test)
-        self._began = time.monotonic()
-
-    def stopTest(self, test):
-        problems = [text for case, text in self.failures + self.errors if case is test]
-        inner = f"<failure message={quoteattr(problems[0][-400:])}/>" if problems else ""
-        self.cases.append(f"<testcase classname={quoteattr(type(test).__name__)} "
-                          f"name={quoteattr(test.id().split('.')[-1])} "
-                          f'time="{time.monotonic() - self._began:.3f}">{inner}</testcase>')
-        super().stopTest(test)
-
-
-def main() -> int:
-    suite = unittest.defaultTestLoader.loadTestsFromModule(sys.modules[__name__])
-    result = unittest.TextTestRunner(resultclass=Recorder, verbosity=2).run(suite)
-    bad = len(result.failures) + len(result.errors)
-    if len(sys.argv) > 3:
-        Path(sys.argv[3]).parent.mkdir(parents=True, exist_ok=True)
-        Path(sys.argv[3]).write_text(
-            f'<testsuite name="commands" tests="{len(result.cases)}" failures="{bad}" '
-            f'errors="0">{"".join(result.cases)}</testsuite>\n')
-    return 1 if bad else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(junit.main(sys.argv[3:]))
