@@ -20,7 +20,7 @@ from pathlib import Path
 
 import rosbag
 
-import junit_result
+import junit
 
 PROGRAMS, CONFIG = Path(sys.argv[1]), Path(sys.argv[2])
 TESTS = Path(__file__).resolve().parent
@@ -213,5 +213,4 @@ if __name__ == "__main__":
     if "--record" in sys.argv:
         record(sys.argv[sys.argv.index("--record") + 1], "--keep-bag" in sys.argv)
     else:
-        sys.exit(junit_result.run(sys.modules[__name__], "baseline",
-                                  sys.argv[3] if len(sys.argv) > 3 else None))
+        sys.exit(junit.main(sys.argv[3:]))

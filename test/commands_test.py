@@ -12,7 +12,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-import junit_result
+import junit
 
 PROGRAMS, CONFIG = Path(sys.argv[1]), Path(sys.argv[2])
 
@@ -149,5 +149,4 @@ class Paper(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    sys.exit(junit_result.run(sys.modules[__name__], "commands",
-                              sys.argv[3] if len(sys.argv) > 3 else None))
+    sys.exit(junit.main(sys.argv[3:]))

@@ -1,12 +1,13 @@
-"""Runs the unittest cases of a module and leaves the result file of JUnit that catkin counts."""
+"""Runs the tests of a script and leaves a result file as JUnit and catkin have it."""
 
+import sys
 import time
 import unittest
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 
-class _Recorder(unittest.TextTestResult):
+class Recorder(unittest.TextTestResult):
     """Remembers what a result file of JUnit holds."""
 
     def __init__(self, *arguments, **named):
@@ -28,15 +29,14 @@ class _Recorder(unittest.TextTestResult):
         super().stopTest(test)
 
 
-def run(module, name: str, result_file) -> int:
-    """Exit status; `result_file`: path, or None for no file."""
-    suite = unittest.defaultTestLoader.loadTestsFromModule(module)
-    result = unittest.TextTestRunner(resultclass=_Recorder, verbosity=2).run(suite)
+def main(results: list) -> int:
+    """All tests of the running module; `results`: the file to write, or nothing."""
+    suite = unittest.defaultTestLoader.loadTestsFromModule(sys.modules["__main__"])
+    result = unittest.TextTestRunner(resultclass=Recorder, verbosity=2).run(suite)
     bad = len(result.failures) + len(result.errors)
-    if result_file is not None:
-        path = Path(result_file)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(
-            f'<testsuite name={quoteattr(name)} tests="{len(result.cases)}" failures="{bad}" '
+    if results:
+        Path(results[0]).parent.mkdir(parents=True, exist_ok=True)
+        Path(results[0]).write_text(
+            f'<testsuite name="{Path(sys.argv[0]).stem}" tests="{len(result.cases)}" failures="{bad}" '
             f'errors="0">{"".join(result.cases)}</testsuite>\n')
     return 1 if bad else 0
