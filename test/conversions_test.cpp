@@ -293,6 +293,18 @@ TEST(Conversions, SensedRateHasTheSignOfTheCase) {
   EXPECT_EQ(imu.angular_velocity_covariance[8], 0.0);
 }
 
+TEST(Conversions, SensedRateIsStampedWhenItIsValid) {
+  OrbitalElements elements;
+  elements.stamp = {1, 6, 1007000000, 1000000};
+  elements.group_delay = 0.7125e-3;
+  sensor_msgs::Imu imu;
+  toMessage(elements, 1.0, "gyro", imu);
+  EXPECT_EQ(nanosecondsFromTime(imu.header.stamp), 1007000000 - 712500);
+  elements.stamp.end_ns = 500000;  // no time before zero
+  toMessage(elements, 1.0, "gyro", imu);
+  EXPECT_EQ(nanosecondsFromTime(imu.header.stamp), 0);
+}
+
 TEST(MessagePool, GivesOnlyWhatNobodyHolds) {
   MessagePool<ring_gyro_msgs::OrbitalElements> pool;
   const auto first = pool.take();
