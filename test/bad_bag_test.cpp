@@ -144,6 +144,32 @@ TEST_F(BadBagTest, Unindexed) {
   EXPECT_EQ(result.at("data").at("last_sequence").get<int>(), 3049);
 }
 
+TEST_F(BadBagTest, ToolsThatNeedAWholeBagRefuseAnother) {
+  const std::string whole = contentsOf(changed("whole.bag", {}));
+  std::string damaged = whole;
+  damaged.replace(whole.find("compression=lz4", whole.size() / 2) + 2000, 2000, 2000, '\x55');
+  for (const std::string& bytes : {whole.substr(0, whole.size() * 3 / 4), damaged}) {
+    const std::string bag = folder_->file("part.bag");
+    writeContents(bag, bytes);
+    for (const std::string& command :
+         {"summarise_run " + bag, "export_csv " + bag + " --output " + folder_->file("log.csv")}) {
+      const Outcome outcome = run(command);
+      EXPECT_EQ(outcome.exit_code, 1) << command;
+      EXPECT_EQ(outcome.lines(), 1) << outcome.errors;
+      for (const std::string& part : {bag, std::string("lost"), std::string("rosbag reindex")}) {
+        EXPECT_NE(outcome.errors.find(part), std::string::npos) << outcome.errors;
+      }
+      EXPECT_EQ(outcome.output, "");
+    }
+    EXPECT_FALSE(exists(folder_->file("log.csv")));
+    // This one goes on with what is left, and says so.
+    const Outcome outcome = run("compare_identifiers " + bag + " --config " + configuration());
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.errors.find(bag + ": cut off or damaged"), std::string::npos);
+    EXPECT_NE(outcome.output.find("extended filter"), std::string::npos);
+  }
+}
+
 TEST_F(BadBagTest, Encrypted) {
   const auto field = [](const std::string& text) {
     const auto size = static_cast<std::uint32_t>(text.size());

@@ -74,6 +74,16 @@ def estimates(bag: Path) -> list:
                 if topic.lstrip("/") == "parameter_estimate"]
 
 
+def in_file_order(bag: Path) -> list:
+    """Topic and bag time in seconds of each message, as they lie in the file."""
+    with rosbag.Bag(str(bag)) as recorded:
+        topics = {number: connection.topic.lstrip("/")
+                  for number, connection in recorded._connections.items()}
+        entries = [(entry.chunk_pos, entry.offset, topics[number], entry.time.to_sec())
+                   for number, index in recorded._connection_indexes.items() for entry in index]
+    return [(topic, at) for _, _, topic, at in sorted(entries)]
+
+
 class SameBits(unittest.TestCase):
     def setUp(self):
         self.folder_handle = tempfile.TemporaryDirectory(prefix="ring_gyro_same_bits_")
@@ -182,6 +192,19 @@ class SameBits(unittest.TestCase):
         self.assertEqual(2 * counts["pairs"] + counts["elements_without_gains"]
                          + counts["gains_without_elements"] + counts["not_delivered"], 40000)
         self.assertIn("not delivered", " ".join(run["faults"]))
+
+    def test_recorded_in_the_order_of_the_stamps(self):
+        # Nodelets send faster than sockets are read: the recorder gets one topic after the other.
+        bag = self.folder / "nodelets.bag"
+        self.record(bag, duration=20, compensate="true", nodelets="true")
+        messages = in_file_order(bag)
+        self.assertEqual(len(messages), 3 * 20000 + 2 * 200 + 1)
+        times = [at for _, at in messages]
+        self.assertEqual(times, sorted(times))
+        for topic in ("orbital_elements", "control_gains", "plant_truth"):
+            places = [place for place, (name, _) in enumerate(messages) if name == topic]
+            self.assertLessEqual(max(b - a for a, b in zip(places, places[1:])), 5)
+        self.assertEqual(messages[-1][0], "end_of_run")
 
     def test_identifier_restarted_in_the_middle(self):
         bag = self.folder / "restarted.bag"

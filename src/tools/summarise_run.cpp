@@ -1,9 +1,6 @@
 // rosrun ring_gyro summarise_run: what a recorded run achieved, as tables, JSON and series for
 // plots.
 
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-
 #include <boost/program_options.hpp>
 #include <cstdio>
 #include <cstdlib>
@@ -11,16 +8,15 @@
 #include <iostream>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "bag_message.h"
 #include "command_line.h"
 #include "ring_gyro/analysis/run_record.h"
 #include "ring_gyro/analysis/run_summary.h"
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/ros/bag_signals.h"
 #include "ring_gyro/ros/messages.h"
 #include "run_report.h"
 
@@ -71,38 +67,38 @@ std::optional<Arguments> parse(int argc, char** argv) {
 
 /// Topics are told apart by type, so that namespaces and remapping do not matter.
 RunRecord readBag(const std::string& path, RefusedMessages& refused) {
-  rosbag::Bag bag(path);
-  rosbag::View view(bag);
+  BagFile bag(path);
+  bag.requireWhole();
   std::map<std::string, std::string> topics;  // by type
-  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
-    const auto [found, fresh] = topics.emplace(connection->datatype, connection->topic);
-    if (!fresh && found->second != connection->topic &&
-        connection->datatype.rfind("ring_gyro/", 0) == 0) {
-      throw std::runtime_error("two topics of " + connection->datatype + ", " + found->second +
-                               " and " + connection->topic + ": filter one out with rosbag filter");
+  for (const BagConnection& connection : bag.connections()) {
+    const auto [found, fresh] = topics.emplace(connection.type, connection.topic);
+    if (!fresh && found->second != connection.topic &&
+        connection.type.rfind("ring_gyro/", 0) == 0) {
+      throw BagError(path + ": two topics of " + connection.type + ", " + found->second + " and " +
+                     connection.topic + ": filter one out with rosbag filter");
     }
   }
   for (const char* type : {"ring_gyro/OrbitalElements", "ring_gyro/ControlGains"}) {
     if (topics.count(type) == 0) {
-      throw std::runtime_error(std::string("no messages of ") + type +
-                               "; record the topics orbital_elements and control_gains");
+      throw BagError(path + ": no messages of " + type +
+                     "; record the topics orbital_elements and control_gains");
     }
   }
   RunRecord record;
-  OrbitalElements elements;
-  ControlGains gains;
-  PlantTruth truth;
-  ParameterEstimate estimate;
-  for (const rosbag::MessageInstance& instance : view) {
-    if (const auto end = instance.instantiate<ring_gyro_msgs::EndOfRun>()) {
-      record.end(end->session, end->last_sequence);
-    }
-    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements, refused)) record.add(elements);
-    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains, refused)) record.add(gains);
-    if (readIf<ring_gyro_msgs::PlantTruth>(instance, truth, refused)) record.add(truth);
-    if (readIf<ring_gyro_msgs::ParameterEstimate>(instance, estimate, refused))
-      record.add(estimate);
+  BagSinks sinks;
+  const auto add = [&record](const auto& signal) { record.add(signal); };
+  addSignals<ring_gyro_msgs::OrbitalElements, OrbitalElements>(bag, add, sinks, refused);
+  addSignals<ring_gyro_msgs::ControlGains, ControlGains>(bag, add, sinks, refused);
+  addSignals<ring_gyro_msgs::PlantTruth, PlantTruth>(bag, add, sinks, refused);
+  addSignals<ring_gyro_msgs::ParameterEstimate, ParameterEstimate>(bag, add, sinks, refused);
+  addMessages<ring_gyro_msgs::EndOfRun>(
+      bag, [&record](const auto& end) { record.end(end.session, end.last_sequence); }, sinks);
+  try {
+    bag.read(sinks);
+  } catch (const std::exception& error) {
+    throw BagError(path + ": " + error.what());
   }
+  bag.requireWhole();
   return record;
 }
 
@@ -112,16 +108,8 @@ int run(const Arguments& arguments) {
   outputs.push_back(arguments.json_file);
   requireApart(outputs, {arguments.bag_file});
   requireWritable(arguments.json_file);
-  RunRecord record;
   RefusedMessages refused;
-  try {
-    record = readBag(arguments.bag_file, refused);
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(arguments.bag_file + ": " + error.what() +
-                             "; is it a whole bag? One that was cut: rosbag reindex");
-  } catch (const std::exception& error) {
-    throw std::runtime_error(arguments.bag_file + ": " + error.what());
-  }
+  const RunRecord record = readBag(arguments.bag_file, refused);
   const RunSummary summary = summarise(record, arguments.summary);
   if (!arguments.csv_directory.empty()) writeSeries(record, summary, arguments.csv_directory);
   if (!arguments.json_file.empty()) {

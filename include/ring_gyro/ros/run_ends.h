@@ -10,7 +10,7 @@ namespace ring_gyro {
 using RunEnds = std::map<std::uint32_t, std::uint64_t>;
 
 /// What the end_of_run messages of a bag say, whatever their topic; of a bag without an index as
-/// far as it can be read. Throws std::runtime_error when it cannot be read at all.
+/// far as it can be read. Throws BagError when it cannot be read at all.
 RunEnds runEnds(const std::string& path);
 
 }  // namespace ring_gyro
