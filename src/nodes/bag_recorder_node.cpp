@@ -1,6 +1,7 @@
 #include "ring_gyro/nodes/bag_recorder_node.h"
 
 #include <ros/console.h>
+#include <std_msgs/UInt64.h>
 
 #include <algorithm>
 #include <limits>
@@ -14,9 +15,10 @@ namespace {
 
 constexpr std::uint32_t kUnlimited = 0;
 // Of messages that wait for those of other topics. A graph of nodelets sends faster than sockets
-// are read, and a socket that never runs empty is read on before the next: the topics come in
-// bursts as long as what has piled up, some 100 MB after 300 s of data.
+// are read, and a socket that never runs empty is read on before the next: topics come in bursts as
+// long as what the plant lets pile up.
 constexpr std::size_t kMostWaiting = 256u << 20;
+constexpr std::uint64_t kBlocksPerReport = 500;       // well below the lead that the plant takes
 constexpr std::int64_t kLongestWait = 1'000'000'000;  // in real time, where nothing piles up [ns]
 
 StampMerge::Limits limits(const NodeParameters& parameters) {
@@ -44,6 +46,7 @@ BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*priva
                  configuration.loop.converter.blockDurationNanoseconds()),
       writer_(fileName(configuration.node)),
       order_(limits(configuration.node)),
+      recorded_publisher_(handle_.advertise<std_msgs::UInt64>(topics::kRecorded, 1, true)),
       departure_(handle_, configuration.node, host_, {}, [this] { finish(); }) {
   const auto sequence = [](const auto& message) { return message.sequence; };
   // No estimate, decision or command of a calibration covers the blocks after the last whole
@@ -85,6 +88,7 @@ void BagRecorderNode::record(const char* name, BlockOf blockOf, Sent sent) {
   topics_.emplace_back();
   Topic& topic = topics_.back();
   topic.name = name;
+  topic.each_block = sent == Sent::kEachBlock;
   const std::size_t number =
       order_.addTopic({sent != Sent::kOnce, sent == Sent::kEachPeriod ? period_ns_ : 0,
                        [&topic] { return topic.subscriber.getNumPublishers() > 0; }});
@@ -97,20 +101,36 @@ void BagRecorderNode::record(const char* name, BlockOf blockOf, Sent sent) {
                    [this, &topic, message] { writer_.write(topic.name, *message); });
         topic.complete_up_to = blockOf(*message);
         topic.any = true;
+        if (topic.each_block && topic.complete_up_to >= recorded_ + kBlocksPerReport) {
+          reportRecorded();
+        }
         reportProcessed();
       },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
 }
 
-void BagRecorderNode::reportProcessed() {
-  if (!departure_.announced()) return;
+template <typename Counts>
+std::uint64_t BagRecorderNode::completeUpTo(Counts counts) const {
   std::uint64_t complete = std::numeric_limits<std::uint64_t>::max();
   for (const Topic& topic : topics_) {
     // A topic that nobody publishes is not waited for.
-    if (!topic.any && topic.subscriber.getNumPublishers() == 0) continue;
+    if (!counts(topic) || (!topic.any && topic.subscriber.getNumPublishers() == 0)) continue;
     complete = std::min(complete, topic.any ? topic.complete_up_to : 0);
   }
-  departure_.processed(complete);
+  return complete;
+}
+
+void BagRecorderNode::reportRecorded() {
+  const std::uint64_t complete = completeUpTo([](const Topic& topic) { return topic.each_block; });
+  if (complete < recorded_ + kBlocksPerReport) return;
+  std_msgs::UInt64 message;
+  message.data = recorded_ = complete;
+  recorded_publisher_.publish(message);
+}
+
+void BagRecorderNode::reportProcessed() {
+  if (!departure_.announced()) return;
+  departure_.processed(completeUpTo([](const Topic&) { return true; }));
 }
 
 void BagRecorderNode::finish() {

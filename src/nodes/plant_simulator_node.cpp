@@ -1,6 +1,7 @@
 #include "ring_gyro/nodes/plant_simulator_node.h"
 
 #include <ros/console.h>
+#include <std_msgs/UInt64.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,7 @@ constexpr double kTick = 0.1;  // of the watch, wall time [s]
 constexpr int kTicksPerProgress = 20;
 constexpr int kFlushTicks = 5;  // for what the sockets still hold at the end
 constexpr std::uint32_t kUnlimited = 0;
+constexpr std::uint64_t kBlocksAhead = 5000;  // of a recorder: no more than that piles up
 
 double seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -57,6 +59,13 @@ PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle p
       topics::kDriveCommand, kUnlimited,
       [this](const ring_gyro_msgs::DriveCommand::ConstPtr& message) { onDriveCommand(*message); },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  if (parameters_.lockstep) {
+    recorded_subscriber_ = handle_.subscribe<std_msgs::UInt64>(
+        topics::kRecorded, 1, [this](const std_msgs::UInt64::ConstPtr& message) {
+          recorded_ = message->data;
+          goOn();
+        });
+  }
   const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
   gate_ = std::make_unique<StartGate>(
       handle_, std::vector<StartGate::Requirement>{{displacement_, 1}, {truth_, required}},
@@ -92,7 +101,8 @@ void PlantSimulatorNode::onDriveCommand(const ring_gyro_msgs::DriveCommand& mess
     if (lastBlockDone()) {
       endRun();
     } else {
-      step();
+      waiting_ = true;
+      goOn();
     }
     return;
   }
@@ -105,6 +115,17 @@ void PlantSimulatorNode::onDriveCommand(const ring_gyro_msgs::DriveCommand& mess
   commanded_ = true;
   // A machine that has fallen behind catches up as fast as the answers come.
   if (behindRealTime() > 0.0) onRealTimeTick();
+}
+
+void PlantSimulatorNode::goOn() {
+  // A recorder that has gone is not waited for.
+  if (!waiting_ ||
+      (last_.sequence > recorded_ + kBlocksAhead && recorded_subscriber_.getNumPublishers() > 0)) {
+    return;
+  }
+  waiting_ = false;
+  silent_ticks_ = 0;
+  step();
 }
 
 bool PlantSimulatorNode::lastBlockDone() const {
@@ -204,6 +225,7 @@ void PlantSimulatorNode::watch() {
     waitForListeners();
     return;
   }
+  goOn();
   if (parameters_.lockstep) watchSilence();
   if (++ticks_ % kTicksPerProgress == 0) reportProgress();
 }
@@ -212,6 +234,11 @@ void PlantSimulatorNode::watchSilence() {
   // Counted in ticks rather than read from a clock: a machine that slept has been silent itself.
   if (++silent_ticks_ * kTick < parameters_.lockstep_timeout) return;
   silent_ticks_ = 0;
+  if (waiting_) {
+    ROS_WARN("block %lu waits for the recorder, which has blocks up to %lu only; end it to go on",
+             static_cast<unsigned long>(last_.sequence + 1), static_cast<unsigned long>(recorded_));
+    return;
+  }
   host_.fail("no drive command has answered block " + std::to_string(last_.sequence) + " for " +
              std::to_string(parameters_.lockstep_timeout) + " s: silent: " +
              displacement_.listeners() + " (subscribed to " + displacement_.topic() + ")");

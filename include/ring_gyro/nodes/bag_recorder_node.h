@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ros/node_handle.h>
+#include <ros/publisher.h>
 #include <ros/subscriber.h>
 
 #include <cstdint>
@@ -33,6 +34,7 @@ class BagRecorderNode {
   enum class Sent { kEachBlock, kEachPeriod, kOnce };
   struct Topic {
     std::string name;
+    bool each_block = true;
     ros::Subscriber subscriber;
     std::uint64_t complete_up_to = 0;  // block
     bool any = false;
@@ -41,6 +43,10 @@ class BagRecorderNode {
   /// `blockOf`: up to which block a message completes its topic.
   template <typename Message, typename BlockOf>
   void record(const char* topic, BlockOf blockOf, Sent sent = Sent::kEachBlock);
+  /// Up to which block the topics that count are complete.
+  template <typename Counts>
+  std::uint64_t completeUpTo(Counts counts) const;
+  void reportRecorded();
   void reportProcessed();
   void finish();
 
@@ -50,6 +56,8 @@ class BagRecorderNode {
   std::int64_t period_ns_;       // from the first to the last block of a period
   BagWriter writer_;
   StampMerge order_;
+  ros::Publisher recorded_publisher_;
+  std::uint64_t recorded_ = 0;  // block, as last reported
   bool finished_ = false;
   std::list<Topic> topics_;
   Departure departure_;

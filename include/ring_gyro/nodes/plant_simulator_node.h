@@ -23,7 +23,8 @@ namespace ring_gyro {
 
 /// The gyroscope: DriveCommand in, DisplacementBlock out, and /clock, truth and the end of the run.
 ///
-/// Lockstep: block n + 1 follows the command that answers block n. Real time: a block each block
+/// Lockstep: block n + 1 follows the command that answers block n, and no recorder is left far
+/// behind, so that nothing piles up on the way to it. Real time: a block each block
 /// duration of wall time; without a new command the last drive goes on.
 class PlantSimulatorNode {
  public:
@@ -36,6 +37,7 @@ class PlantSimulatorNode {
 
   void start();
   void onDriveCommand(const ring_gyro_msgs::DriveCommand& message);
+  void goOn();
   void step();
   void onRealTimeTick();
   void publish(const DisplacementBlock& block);
@@ -63,6 +65,8 @@ class PlantSimulatorNode {
   DriveCommand command_;
   bool commanded_ = false;  // real time: a command has come since the last block
   BlockStamp last_;
+  bool waiting_ = false;        // lockstep: the next block is due, the recorder may be behind
+  std::uint64_t recorded_ = 0;  // block up to which it has all
   bool started_ = false;
   bool ended_ = false;
 
@@ -85,6 +89,7 @@ class PlantSimulatorNode {
   Output end_of_run_;
   ros::Publisher clock_;
   ros::Subscriber drive_subscriber_;
+  ros::Subscriber recorded_subscriber_;
   std::unique_ptr<StartGate> gate_;
   ros::WallTimer watch_timer_;
   ros::WallTimer block_timer_;

@@ -13,5 +13,6 @@ constexpr char kCompensationGains[] = "compensation_gains";
 constexpr char kCalibrationCommand[] = "calibration_command";
 constexpr char kPlantTruth[] = "plant_truth";
 constexpr char kEndOfRun[] = "end_of_run";
+constexpr char kRecorded[] = "recorded";  // std_msgs/UInt64: a recorder has all blocks up to this
 
 }  // namespace ring_gyro::topics
