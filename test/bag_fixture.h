@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -126,7 +127,7 @@ enum class BagOrder {
 
 /// A copy with all topics, in another order in the file; bag times stay.
 inline void reorderBag(const std::string& from_path, const std::string& to_path, BagOrder order,
-                       rosbag::CompressionType compression) {
+                       rosbag::CompressionType compression, std::uint32_t chunk_bytes = 64 * 1024) {
   const rosbag::Bag from(from_path);
   rosbag::View view(from);
   const std::vector<rosbag::MessageInstance> messages(view.begin(), view.end());
@@ -161,7 +162,7 @@ inline void reorderBag(const std::string& from_path, const std::string& to_path,
   }
   rosbag::Bag to(to_path, rosbag::bagmode::Write);
   to.setCompression(compression);
-  to.setChunkThreshold(64 * 1024);
+  to.setChunkThreshold(chunk_bytes);
   for (const std::size_t place : places) {
     const rosbag::MessageInstance& message = messages[place];
     to.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());

@@ -136,21 +136,26 @@ class SameBits(unittest.TestCase):
             messages = [ParameterEstimate().deserialize(data) for data in pickle.load(file)]
         return messages, report.read_bytes()
 
+    def blocks_seen(self, port: int) -> int:
+        """Of the identifier that runs; 0 when there is none yet."""
+        # It gives up at once when there is no master yet.
+        seen = subprocess.run(["rostopic", "echo", "-p", "-n", "1", "/parameter_estimate"],
+                              env=environment(port), capture_output=True, timeout=120,
+                              check=False, text=True).stdout.splitlines()
+        if len(seen) != 2:
+            return 0
+        estimate = dict(zip(seen[0].split(","), seen[1].split(",")))
+        return int(estimate["field.last_sequence"]) - int(estimate["field.first_sequence"])
+
+    def wait_for(self, condition) -> None:
+        deadline = time.monotonic() + 120
+        while not condition():
+            self.assertLess(time.monotonic(), deadline, "not in two minutes")
+            time.sleep(0.1)
+
     def wait_for_estimate(self, port: int, after: int) -> None:
         """Of the identifier that runs, once it has seen more than so many blocks."""
-        deadline = time.monotonic() + 120
-        while time.monotonic() < deadline:
-            # It gives up at once when there is no master yet.
-            seen = subprocess.run(["rostopic", "echo", "-p", "-n", "1", "/parameter_estimate"],
-                                  env=environment(port), capture_output=True, timeout=120,
-                                  check=False, text=True).stdout.splitlines()
-            if len(seen) == 2:
-                estimate = dict(zip(seen[0].split(","), seen[1].split(",")))
-                if int(estimate["field.last_sequence"]) >= after + int(
-                        estimate["field.first_sequence"]):
-                    return
-            time.sleep(0.1)
-        self.fail("no estimate in two minutes")
+        self.wait_for(lambda: self.blocks_seen(port) >= after)
 
     def assertSame(self, one: list, other: list):
         self.assertEqual(len(one), len(other))

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::uint32_t kUnlimited = 0;
 // Of messages that wait for those of other topics. A graph of nodelets sends faster than sockets
-// are read, and a socket that never runs empty is read on before the next: the topics come in
-// bursts as long as what has piled up, some 100 MB after 300 s of data.
+// are read, and a socket that never runs empty is read on before the next: topics come in bursts as
+// long as what the plant and the loops let pile up (ReaderWait).
 constexpr std::size_t kMostWaiting = 256u << 20;
 constexpr std::int64_t kLongestWait = 1'000'000'000;  // in real time, where nothing piles up [ns]
 
