@@ -16,6 +16,7 @@
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/identification/consistency.h"
 #include "ring_gyro/ros/loop_recorder.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
@@ -39,6 +40,9 @@ struct Summary {
   double wall = 0.0;                   // [s]
   std::optional<double> locked_after;  // [s]
   std::optional<ParameterEstimate> estimate;
+  std::uint64_t updates = 0;  // since it first said converged, or all until then
+  double nis_sum = 0.0;       // of their normalised innovations squared
+  bool converged = false;     // it has said so
   std::optional<CompensationDecision> decision;
   OrbitalElements elements;
   std::uint64_t messages = 0;
@@ -67,6 +71,18 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
+void take(const ParameterEstimate& estimate, Summary& summary) {
+  summary.estimate = estimate;
+  if (estimate.updated) {
+    ++summary.updates;
+    summary.nis_sum += estimate.normalised_innovation_squared;
+  }
+  if (!estimate.converged || summary.converged) return;
+  summary.converged = true;
+  summary.updates = 0;
+  summary.nis_sum = 0.0;
+}
+
 Summary simulate(const LoopConfiguration& configuration, const Arguments& arguments) {
   ClosedLoop loop(configuration);
   std::optional<LoopRecorder> recorder;
@@ -78,7 +94,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
   for (std::uint64_t block = 0; (blocks == 0 || block < blocks) && interrupted == 0; ++block) {
     const LoopRecord record = loop.step();
     if (recorder) recorder->write(record);
-    if (record.estimate) summary.estimate = *record.estimate;
+    if (record.estimate) take(*record.estimate, summary);
     if (record.decision) summary.decision = *record.decision;
     if (!summary.locked_after && record.loops.elements.status.locked()) {
       summary.locked_after = loop.time();
@@ -121,7 +137,9 @@ void print(const Summary& summary, const LoopConfiguration& configuration,
     line("mu2", kMu2, truth.mu2);
     line("ks", kDriveGain, truth.driveGain());
     std::printf("estimate   %s, %lu blocks used, %lu rejected, %lu lost\n",
-                summary.estimate->converged ? "converged" : "not converged",
+                !misfitOf(summary.updates, summary.nis_sum).empty() ? "does not fit the data"
+                : summary.estimate->converged                       ? "converged"
+                                                                    : "not converged",
                 static_cast<unsigned long>(summary.estimate->used_blocks),
                 static_cast<unsigned long>(summary.estimate->rejected_blocks),
                 static_cast<unsigned long>(summary.estimate->lost_blocks));
