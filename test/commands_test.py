@@ -32,9 +32,10 @@ class Report(unittest.TestCase):
     def tearDownClass(cls):
         cls.scratch.cleanup()
 
-    def simulate(self, name: str, duration: float, *overrides) -> Path:
+    def simulate(self, name: str, duration: float, *overrides,
+                 preset: str = "paper_experiment") -> Path:
         bag = self.folder / f"{name}.bag"
-        done = run("simulate", "--config", CONFIG / "paper_experiment.yaml", "--output", bag,
+        done = run("simulate", "--config", CONFIG / f"{preset}.yaml", "--output", bag,
                    "--duration", duration, *(f"--set={o}" for o in overrides))
         self.assertEqual(done.returncode, 0, done.stderr)
         return bag
@@ -43,8 +44,13 @@ class Report(unittest.TestCase):
         bag = self.simulate("run", 36)
         page, figures = self.folder / "run.html", self.folder / "figures"
         done = run("report", bag, "--output", page, "--figures", figures)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        # The pick-off of this device is not in the model, which the report may not pass over.
+        self.assertEqual(done.returncode, 2, done.stderr)
+        misfit = done.stderr.strip().splitlines()[-1]
+        self.assertIn(f"{bag}: the data do not fit the model", misfit)
         text = page.read_text()
+        self.assertIn("class=doubt", text)
+        self.assertNotIn("converged from", text)
         names = {"parameters", "innovations", "rate", "harmonics", "gains", "loops", "ring_up",
                  "allan"}
         self.assertEqual(set(re.findall(r"<h2 id=(\w+)>", text)), names)
@@ -62,6 +68,19 @@ class Report(unittest.TestCase):
         self.assertIn("Rate against angle", done.stdout)
         self.assertIn("no ParameterEstimate", done.stdout)
         self.assertIn("class=missing", page.read_text())
+
+    def test_a_fit_that_is_none_is_not_converged(self):
+        fits = self.simulate("fits", 8, "control/virtual_rate=1.0", preset="paper_simulation")
+        for bag, status in ((fits, 0), (self.simulate("misfit", 8), 2)):
+            done = run("summarise_run", bag)
+            self.assertEqual(done.returncode, status, done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), status // 2, done.stderr)
+            self.assertEqual("the data do not fit the model" in done.stderr, status == 2)
+            self.assertEqual("filter: converged" in done.stdout, status == 0, done.stdout)
+        page = self.folder / "fits.html"
+        done = run("report", fits, "--output", page)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("class=doubt", page.read_text())
 
     def test_refuses_in_one_line(self):
         empty = self.folder / "empty.bag"

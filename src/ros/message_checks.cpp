@@ -21,7 +21,6 @@ struct Field {
   const char* name;
   double value;
 };
-using Fields = std::initializer_list<Field>;
 
 MessageFault impossible(const char* field, double value, const char* reason, const char* allowed) {
   return {Refusal::kImpossible, field, reason,
@@ -29,9 +28,10 @@ MessageFault impossible(const char* field, double value, const char* reason, con
 }
 
 /// Of fields whose sum of magnitudes is not below the limit: which.
-MessageFault notFinite(Fields fields) {
-  const Field* largest = fields.begin();
-  for (const Field& field : fields) {
+MessageFault notFinite(const Field* fields, std::size_t size) {
+  const Field* largest = fields;
+  for (std::size_t i = 0; i < size; ++i) {
+    const Field& field = fields[i];
     if (!std::isfinite(field.value)) {
       return {Refusal::kNotFinite, field.name, "is not finite",
               formatted("%s = %g is not finite; have its publisher send a number, or no message",
@@ -45,11 +45,12 @@ MessageFault notFinite(Fields fields) {
 }
 
 /// Fields that must be finite and of a size that can be squared.
-MessageFault faultOfNumbers(Fields fields) {
-  double sum = 0.0;
-  for (const Field& field : fields) sum += std::abs(field.value);
-  if (sum < kLargest) return {};  // false for NaN
-  return notFinite(fields);
+template <std::size_t size>
+inline MessageFault faultOfNumbers(const Field (&fields)[size]) {
+  double sums[4] = {};  // side by side: no sum waits for the one before
+  for (std::size_t i = 0; i < size; ++i) sums[i % 4] += std::abs(fields[i].value);
+  if ((sums[0] + sums[1]) + (sums[2] + sums[3]) < kLargest) return {};  // false for NaN
+  return notFinite(fields, size);
 }
 
 MessageFault faultOfDuration(std::uint64_t duration) {
@@ -227,7 +228,8 @@ MessageFault faultOf(const ring_gyro_msgs::ParameterEstimate& m) {
   const auto numbers = [](const char* field, const auto& values) -> MessageFault {
     for (const double value : values) {
       if (std::isfinite(value)) continue;
-      return notFinite({{field, value}});
+      const Field wrong{field, value};
+      return notFinite(&wrong, 1);
     }
     return {};
   };
@@ -247,7 +249,7 @@ MessageFault faultOf(const ring_gyro_msgs::ParameterEstimate& m) {
     return fault;
   }
   for (std::size_t i = 0; i < 7; ++i) {
-    if (std::abs(m.value[i]) >= kLargest) return notFinite({{"value", m.value[i]}});
+    if (MessageFault fault = faultOfNumbers({{"value", m.value[i]}})) return fault;
     if (m.sigma[i] < 0.0) return impossible("sigma", m.sigma[i], "is negative", ">= 0");
     if (m.covariance[8 * i] < 0.0) {
       return impossible("covariance", m.covariance[8 * i], "has a negative variance", ">= 0");

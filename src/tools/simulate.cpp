@@ -17,6 +17,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/identification/consistency.h"
 #include "ring_gyro/ros/loop_recorder.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
@@ -40,6 +41,9 @@ struct Summary {
   double wall = 0.0;                   // [s]
   std::optional<double> locked_after;  // [s]
   std::optional<ParameterEstimate> estimate;
+  std::uint64_t updates = 0;  // since it first said converged, or all until then
+  double nis_sum = 0.0;       // of their normalised innovations squared
+  bool converged = false;     // it has said so
   std::optional<CompensationDecision> decision;
   OrbitalElements elements;
   std::uint64_t messages = 0;
@@ -68,6 +72,18 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
+void take(const ParameterEstimate& estimate, Summary& summary) {
+  summary.estimate = estimate;
+  if (estimate.updated) {
+    ++summary.updates;
+    summary.nis_sum += estimate.normalised_innovation_squared;
+  }
+  if (!estimate.converged || summary.converged) return;
+  summary.converged = true;
+  summary.updates = 0;
+  summary.nis_sum = 0.0;
+}
+
 Summary simulate(const LoopConfiguration& configuration, const Arguments& arguments) {
   requireApart({arguments.output_file}, configuration.files);
   ClosedLoop loop(configuration);
@@ -82,7 +98,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
   for (std::uint64_t block = 0; (blocks == 0 || block < blocks) && interrupted == 0; ++block) {
     const LoopRecord record = loop.step();
     if (recorder) recorder->write(record);
-    if (record.estimate) summary.estimate = *record.estimate;
+    if (record.estimate) take(*record.estimate, summary);
     if (record.decision) summary.decision = *record.decision;
     if (!summary.locked_after && record.loops.elements.status.locked()) {
       summary.locked_after = loop.time();
@@ -125,7 +141,9 @@ void print(const Summary& summary, const LoopConfiguration& configuration,
     line("mu2", kMu2, truth.mu2);
     line("ks", kDriveGain, truth.driveGain());
     std::printf("estimate   %s, %lu blocks used, %lu rejected, %lu lost\n",
-                summary.estimate->converged ? "converged" : "not converged",
+                !misfitOf(summary.updates, summary.nis_sum).empty() ? "does not fit the data"
+                : summary.estimate->converged                       ? "converged"
+                                                                    : "not converged",
                 static_cast<unsigned long>(summary.estimate->used_blocks),
                 static_cast<unsigned long>(summary.estimate->rejected_blocks),
                 static_cast<unsigned long>(summary.estimate->lost_blocks));
