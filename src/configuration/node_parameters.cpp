@@ -20,6 +20,9 @@ void NodeParameters::declare(ParameterTable& table) {
                "end of an identifier period: the readers wake up less often; in real time 1")
       .number("clock_rate", clock_rate, "Hz", Range::between(1.0, 100.0), "of /clock, in wall time")
       .text("imu_frame", imu_frame, {}, "frame_id of the sensed rate")
+      .text("watched", watched, {},
+            "nodes, blanks between, whose death ends the run of the plant; one that ends in order "
+            "may be started again")
       .text("configuration_file", configuration_file, {},
             "that these parameters come from: no output may be the same file")
       .text("calibration_read", calibration_read, {},

@@ -1,14 +1,17 @@
 #include "ring_gyro/nodes/plant_simulator_node.h"
 
 #include <ros/console.h>
+#include <ros/names.h>
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <numeric>
+#include <sstream>
 #include <string>
 #include <utility>
 
+#include "ring_gyro/nodes/death.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
@@ -18,7 +21,8 @@ namespace {
 
 constexpr double kTick = 0.1;  // of the watch, wall time [s]
 constexpr int kTicksPerProgress = 20;
-constexpr int kFlushTicks = 5;  // for what the sockets still hold at the end
+constexpr int kTicksPerLook = 10;  // after nodes that may have died
+constexpr int kFlushTicks = 5;     // for what the sockets still hold at the end
 
 double seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -243,7 +247,8 @@ void PlantSimulatorNode::watch() {
     return;
   }
   if (parameters_.lockstep) watchSilence();
-  if (++ticks_ % kTicksPerProgress == 0) reportProgress();
+  if (++ticks_ % kTicksPerLook == 0) watchNodes();
+  if (ticks_ % kTicksPerProgress == 0) reportProgress();
 }
 
 void PlantSimulatorNode::watchSilence() {
@@ -254,6 +259,16 @@ void PlantSimulatorNode::watchSilence() {
   host_.fail("no drive command has answered block " + std::to_string(last_.sequence) + " for " +
              std::to_string(parameters_.lockstep_timeout) + " s: silent: " +
              displacement_.listeners() + " (subscribed to " + displacement_.topic() + ")");
+}
+
+void PlantSimulatorNode::watchNodes() {
+  std::istringstream names(parameters_.watched);
+  for (std::string name; names >> name;) {
+    const std::string node = ros::names::resolve(handle_.getNamespace(), name);
+    if (end_of_run_.hasListener(node) || !hasDied(node)) continue;
+    host_.fail(node + " has died: the run is cut after block " + std::to_string(last_.sequence));
+    return;
+  }
 }
 
 void PlantSimulatorNode::reportProgress() {

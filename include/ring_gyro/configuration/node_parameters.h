@@ -19,6 +19,7 @@ struct NodeParameters {
   double clock_rate = 100.0;       ///< of /clock, in wall time [Hz]
   std::string imu_frame = "ring_gyro";  ///< frame_id of the sensed rate
 
+  std::string watched;             ///< nodes whose death ends the run, blanks between
   std::string configuration_file;  ///< that these parameters come from
   std::string calibration_read;    ///< calibration that these parameters come from too
 

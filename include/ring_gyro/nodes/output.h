@@ -69,6 +69,7 @@ class Output {
 
   std::size_t subscribers() const { return publisher_.getNumSubscribers(); }
   const std::string& topic() const { return topic_; }
+  bool hasListener(const std::string& node) const;
   /// Nodes that listen, "/a, /b"; "nobody".
   std::string listeners() const;
 

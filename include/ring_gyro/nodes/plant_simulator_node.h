@@ -48,6 +48,7 @@ class PlantSimulatorNode {
   void endRun();
   void watch();
   void watchSilence();
+  void watchNodes();
   void reportProgress();
   void waitForListeners();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
