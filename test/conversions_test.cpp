@@ -12,7 +12,7 @@
 
 #include "message_bytes.h"
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/configuration/configuration_writer.h"
+#include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/message_pool.h"
 
 namespace ring_gyro {
@@ -225,9 +225,13 @@ Calibration anyCalibration(Values& values, int orders) {
 }
 
 std::string parametersOf(Calibration calibration) {
-  Sections sections = {{"calibration", {}}};
-  calibration.declare(sections[0].table);
-  return configurationYaml(sections);
+  ParameterTable table;
+  calibration.declare(table);
+  std::string text;
+  for (const Parameter& parameter : table.parameters()) {
+    text += parameter.key + ": " + valueText(parameter) + "\n";
+  }
+  return text;
 }
 
 TEST(Conversions, CalibrationCommand) {

@@ -211,6 +211,15 @@ class SameBits(unittest.TestCase):
             self.assertLessEqual(max(b - a for a, b in zip(places, places[1:])), 5)
         self.assertEqual(messages[-1][0], "end_of_run")
 
+    def test_raw_samples_are_recorded_from_the_first_block_on(self):
+        # The recorder listens to what plant and loops send each other, and is not taken for them.
+        for nodelets in ("true", "false"):
+            bag = self.folder / "raw.bag"
+            self.record(bag, duration=2, nodelets=nodelets, record_raw="true")
+            topics = [topic for topic, _ in in_file_order(bag)]
+            for topic in ("displacement", "drive_command", "orbital_elements"):
+                self.assertEqual(topics.count(topic), 2000, topic)
+
     def test_identifier_restarted_in_the_middle(self):
         bag = self.folder / "restarted.bag"
         port = free_port()

@@ -28,7 +28,9 @@ void NodeParameters::declare(ParameterTable& table) {
       .text("calibration_read", calibration_read, {},
             "calibration that these parameters come from too: no output may be the same file")
       .text("bag", bag, {}, "file that the recorder writes")
-      .flag("record_raw", record_raw, "record samples and drive commands too")
+      .flag("record_raw", record_raw,
+            "samples and drive commands are recorded too; plant and loops wait for the listener to "
+            "them")
       .text("calibration_file", calibration_file, {}, "YAML file that a calibration run writes")
       .text("report", report, {}, "JSON file that the identifier writes at its end")
       .text("replay", replay, {},

@@ -61,7 +61,8 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
   const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
   gate_ = std::make_unique<StartGate>(
       handle_,
-      std::vector<StartGate::Requirement>{{command_, 1}, {elements_, required}, {gains_, required}},
+      std::vector<StartGate::Requirement>{
+          {command_, parameters_.blockListeners()}, {elements_, required}, {gains_, required}},
       [this] { start(); });
 }
 

@@ -68,7 +68,9 @@ PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle p
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
   gate_ = std::make_unique<StartGate>(
-      handle_, std::vector<StartGate::Requirement>{{displacement_, 1}, {truth_, required}},
+      handle_,
+      std::vector<StartGate::Requirement>{{displacement_, parameters_.blockListeners()},
+                                          {truth_, required}},
       [this] { start(); }, std::vector<ros::Subscriber>{drive_subscriber_});
 }
 
