@@ -116,8 +116,10 @@ fatal=$(grep -a -m 1 '\[FATAL\]' "$log" | plain || true)
 [ "$status" -eq 0 ] || fail "roslaunch ended with status $status; see $log"
 [ -f "$bag" ] || fail "the run left no bag; see $log"
 
+status=0 # 2: a whole summary of data that fit the model badly, as summarise_run says
 rosrun ring_gyro summarise_run "$bag" --json "$output/summary.json" --csv "$output" \
-  >"$output/summary.txt" || fail "$bag cannot be summarised"
+  >"$output/summary.txt" || status=$?
+[ "$status" -eq 0 ] || [ "$status" -eq 2 ] || fail "$bag cannot be summarised"
 if grep -q '"cut": true' "$output/summary.json"; then
   dead=$(grep -a -m 1 -A 1 'REQUIRED process' "$log" | plain | tr '\n' ' ' | cut -c 1-200 || true)
   fail "the run was cut before its end; what there is of it is in $bag. $dead(see $log)"
