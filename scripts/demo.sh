@@ -114,7 +114,9 @@ launch_pid=''
 fatal=$(grep -a -m 1 '\[FATAL\]' "$log" | plain || true)
 [ -z "$fatal" ] || fail "$fatal (see $log)"
 [ "$status" -eq 0 ] || fail "roslaunch ended with status $status; see $log"
-[ -f "$bag" ] || fail "the run left no bag; see $log"
+# The first process to end: the plant where the run was whole.
+first=$(grep -a -m 1 -oE '\[[a-z_]+-[0-9]+\] has died' "$log" || true)
+[ -f "$bag" ] || fail "the run was cut and left no bag${first:+: $first}; see $log"
 
 # Status 2: the tables are there, and a line says what is not to be relied on.
 status=0
@@ -122,8 +124,7 @@ rosrun ring_gyro summarise_run "$bag" --json "$output/summary.json" --csv "$outp
   >"$output/summary.txt" || status=$?
 [ "$status" -eq 0 ] || [ "$status" -eq 2 ] || fail "$bag cannot be summarised"
 if grep -q '"cut": true' "$output/summary.json"; then
-  dead=$(grep -a -m 1 -A 1 'REQUIRED process' "$log" | plain | tr '\n' ' ' | cut -c 1-200 || true)
-  fail "the run was cut before its end; what there is of it is in $bag. $dead(see $log)"
+  fail "the run was cut before its end${first:+: $first}; what there is of it is in $bag, see $log"
 fi
 cat "$output/summary.txt"
 echo

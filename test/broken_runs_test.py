@@ -41,12 +41,12 @@ class Launch:
             listener.bind(("localhost", 0))
             port = listener.getsockname()[1]
         self.log = tempfile.TemporaryFile("w+")
+        self.environment = dict(os.environ, ROS_MASTER_URI=f"http://localhost:{port}",
+                                ROS_HOSTNAME="localhost")
         self.process = subprocess.Popen(
             ["roslaunch", "-p", str(port), "ring_gyro", name]
             + [f"{key}:={value}" for key, value in arguments.items()],
-            env=dict(os.environ, ROS_MASTER_URI=f"http://localhost:{port}",
-                     ROS_HOSTNAME="localhost"),
-            cwd=folder, stdin=subprocess.DEVNULL, stdout=self.log, stderr=subprocess.STDOUT)
+            env=self.environment, cwd=folder, stdin=subprocess.DEVNULL, stdout=self.log, stderr=subprocess.STDOUT)
 
     def __enter__(self):
         return self
@@ -94,20 +94,28 @@ class BrokenRuns(unittest.TestCase):
     def tearDown(self):
         self.scratch.cleanup()
 
-    def refused(self, expected: str, name: str = "simulation.launch", **arguments) -> None:
-        with Launch(self.folder, name, **arguments) as launch:
-            said = launch.fatal()
-            self.assertEqual(len([line for line in said if expected in line]), 1, launch.text())
-            self.assertNotIn("end of the run", launch.text())
+    def launch(self, folder: Path, name: str = "simulation.launch", **arguments) -> Launch:
+        """In the background, so that several take no longer than one."""
+        launch = Launch(folder, name, **arguments)
+        self.addCleanup(launch.__exit__)
+        return launch
+
+    def check_refused(self, launch: Launch, expected: str) -> None:
+        said = launch.fatal()
+        self.assertEqual(len([line for line in said if expected in line]), 1, launch.text())
+        self.assertNotIn("end of the run", launch.text())
 
     def test_a_bag_that_cannot_be_written_ends_the_run(self):
+        launches = []
         for record, expected in (
                 ("/absent/run.bag", "/absent/run.bag: cannot be written: No such file or directory; "
                                     "the folder /absent does not exist"),
                 ("~/run.bag", "node/bag = ~/run.bag: the shell has not replaced ~; give $HOME"),
                 ("run.bag", "node/bag = run.bag: a relative path"),
                 (self.folder, f"{self.folder}: cannot be written: Is a directory; name a file")):
-            self.refused(expected, record=record, duration=600)
+            launches.append((self.launch(self.folder, record=record, duration=600), expected))
+        for launch, expected in launches:
+            self.check_refused(launch, expected)
         self.assertEqual(os.listdir(self.folder), [])
         home = Path(os.environ.get("ROS_HOME", Path.home() / ".ros"))
         self.assertFalse((home / "run.bag").exists())
@@ -130,35 +138,45 @@ class BrokenRuns(unittest.TestCase):
         self.assertFalse(self.bag.exists())
 
     def test_whoever_dies_ends_the_run(self):
-        for node, compensate in (("bag_recorder", True), ("control_loops", False),
-                                 ("ekf_identifier", True), ("ekf_identifier", False),
-                                 ("compensation_injector", True), ("plant_simulator", True)):
-            with Launch(self.folder, "simulation.launch", record=self.bag, duration=600,
-                        compensate=str(compensate).lower()) as launch:
-                launch.wait_for(lambda: sum(path.stat().st_size for path in self.folder.glob(
-                    "run.bag.*.active")) > 1_000_000)
-                launch.kill(node)
-                launch.ended()
-                self.assertRegex(launch.text(), fr"REQUIRED process \[{node}|/{node} has died: the "
-                                                "run is cut after block")
+        launches = []
+        for node, *options in (("bag_recorder", "compensate"), ("control_loops",),
+                               ("ekf_identifier", "compensate"), ("ekf_identifier",),
+                               ("compensation_injector", "compensate"), ("plant_simulator",),
+                               ("bag_recorder", "nodelets"), ("gyroscope", "nodelets")):
+            folder = self.folder / "-".join((node, *options))
+            folder.mkdir()
+            launches.append((self.launch(folder, record=folder / "run.bag", duration=0,
+                                         **{option: "true" for option in options}), node, folder))
+        for launch, node, folder in launches:
+            launch.wait_for(lambda: sum(path.stat().st_size for path in folder.glob(
+                "run.bag.*.active")) > 1_000_000)
+            launch.kill(node)
+        for launch, node, folder in launches:
+            launch.ended()
+            self.assertRegex(launch.text(), fr"REQUIRED process \[{node}|/{node} has died: the run "
+                                            "is cut after block")
             if node == "bag_recorder":
-                left, = self.folder.glob("run.bag.*.active")
+                left, = folder.glob("run.bag.*.active")
                 self.assertIn(run("identify", left, "--config", CONFIG).returncode, (0, 2))
-                self.assertFalse(self.bag.exists())
-                left.unlink()
+                self.assertFalse((folder / "run.bag").exists())
                 continue
-            self.assertEqual(list(self.folder.glob("run.bag.*")), [])
-            done = run("validate_bag", self.bag)
+            self.assertEqual(list(folder.glob("run.bag.*")), [])
+            done = run("validate_bag", folder / "run.bag")
             self.assertEqual(done.returncode, 1, done.stdout)
             self.assertIn("the run was cut after block", done.stdout)
-            self.bag.unlink()
 
-    def test_the_manager_of_nodelets_too(self):
-        with Launch(self.folder, "simulation.launch", record=self.bag, duration=600,
-                    nodelets="true") as launch:
-            launch.wait_for(lambda: list(self.folder.glob("run.bag.*.active")))
-            launch.kill("bag_recorder")
-            launch.ended()
+    def test_rostopic_and_rosservice_understand_what_runs(self):
+        launch = self.launch(self.folder, duration=0, lockstep="false", compensate="true")
+
+        def said(*command) -> str:
+            return subprocess.run(command, env=launch.environment, stdin=subprocess.DEVNULL,
+                                  capture_output=True, text=True, timeout=60, check=False).stdout
+        launch.wait_for(lambda: "simulated" in launch.text())
+        self.assertIn("hardware_id", said("rostopic", "echo", "-n", "1", "/diagnostics"))
+        self.assertIn("angular_velocity", said("rostopic", "echo", "-n", "1", "/imu"))
+        for service, argument in (("enable", "false"), ("hold", "true"), ("reset", "")):
+            self.assertIn("success: True", said(
+                *f"rosservice call /compensation_injector/{service} {argument}".split()))
 
     def test_paths_with_blanks_and_quotes_and_inputs_that_stay(self):
         config = self.folder / "my config.yaml"
@@ -174,7 +192,8 @@ class BrokenRuns(unittest.TestCase):
             launch.ended()
             self.assertTrue(result.exists(), launch.text())
         before = config.read_bytes()
-        self.refused("is an input too", record=config, config=config, duration=600)
+        self.check_refused(self.launch(self.folder, record=config, config=config, duration=600),
+                           "is an input too")
         self.assertEqual(config.read_bytes(), before)
 
 

@@ -199,7 +199,11 @@ struct Lines {
 /// naming file and line where one is not of this kind, or differs from one with the same index.
 void readLines(const std::string& path, Lines& lines) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  file.peek();  // a folder can be opened, but not read
+  if (file.bad() || !file.is_open()) {
+    throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  }
+  file.clear();
   std::ostringstream content;
   content << file.rdbuf();
   const std::string text = content.str();
