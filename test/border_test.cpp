@@ -153,7 +153,7 @@ class LoopsTest : public ::testing::Test {
     fromMessage(commands_.messages.back(), command_);
   }
   void run(std::uint64_t blocks) {
-    for (std::uint64_t i = 0; i < blocks; ++i) answer(next());
+    for (std::uint64_t i = 0; i < blocks && !HasFatalFailure(); ++i) answer(next());
   }
   void expectNoAnswer(const ring_gyro_msgs::DisplacementBlock& block) {
     const std::size_t before = commands_.messages.size();
