@@ -182,6 +182,8 @@ TEST(MessageChecks, RefuseWhatCannotBe) {
   expectImpossible(m.displacement, "reference_frequency",
                    [](auto& d) { d.reference_frequency = -89000.0; });
   expectImpossible(m.displacement, "saturated_samples", [](auto& d) { d.saturated_samples = 401; });
+  expectImpossible(m.displacement, "clipped_drive_samples",
+                   [](auto& d) { d.clipped_drive_samples = 401; });
   expectImpossible(m.displacement, "duration", [](auto& d) { d.duration = 0; });
   expectImpossible(m.command, "reference_frequency", [](auto& c) { c.reference_frequency = 0.0; });
   expectImpossible(m.estimate, "covariance", [](auto& e) { e.covariance[48] = -1.0; });

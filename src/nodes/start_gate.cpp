@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr double kCheckPeriod = 0.02;  // wall time [s]
 constexpr int kChecksPerMessage = 250;
+constexpr int kChecksForAnswers = 100;
 
 }  // namespace
 
@@ -30,14 +32,14 @@ void StartGate::check() {
     missing += " " + requirement.output.topic() + " has " + std::to_string(subscribers) + " of " +
                std::to_string(requirement.subscribers);
   }
-  for (const ros::Subscriber& answer : answers_) {
-    if (answer.getNumPublishers() == 0) missing += " nobody publishes " + answer.getTopic();
-  }
-  if (missing.empty()) {
+  const bool answered =
+      std::all_of(answers_.begin(), answers_.end(),
+                  [](const ros::Subscriber& answer) { return answer.getNumPublishers() > 0; });
+  if (missing.empty() && (answered || ++checks_for_answers_ > kChecksForAnswers)) {
     timer_.stop();
     start_();
   } else if (++checks_ % kChecksPerMessage == 0) {
-    ROS_INFO("waiting for others:%s", missing.c_str());
+    ROS_INFO("waiting for subscribers:%s", missing.c_str());
   }
 }
 

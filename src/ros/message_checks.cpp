@@ -152,6 +152,10 @@ MessageFault faultOf(const ring_gyro_msgs::DisplacementBlock& m) {
     return impossible("saturated_samples", static_cast<double>(m.saturated_samples),
                       "is more than there are samples", "as many as x and y hold");
   }
+  if (m.clipped_drive_samples > m.x.size() + m.y.size()) {
+    return impossible("clipped_drive_samples", static_cast<double>(m.clipped_drive_samples),
+                      "is more than there are samples", "as many as x and y hold");
+  }
   return faultOfDuration(m.duration);
 }
 

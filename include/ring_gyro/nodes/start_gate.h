@@ -12,9 +12,11 @@
 
 namespace ring_gyro {
 
-/// Holds a node back until its outputs have the listeners they must have, and the inputs that
-/// answer them their publishers. As each node of the chain takes no input before, nothing of a run
-/// is lost, in whatever order the nodes came up or are started again.
+/// Holds a node back until its outputs have the listeners they must have. As each node of the chain
+/// takes no input before, nothing of a run is lost, in whatever order the nodes came up.
+///
+/// Inputs that answer the outputs are given two seconds more to be connected: a listener that was
+/// there before this node was started again hears of it before it is heard.
 class StartGate {
  public:
   struct Requirement {
@@ -33,6 +35,7 @@ class StartGate {
   std::vector<ros::Subscriber> answers_;
   std::function<void()> start_;
   int checks_ = 0;
+  int checks_for_answers_ = 0;
   ros::WallTimer timer_;
 };
 
