@@ -75,6 +75,8 @@ def rows():
         "nodelets": Row("lockstep graph, nodelets", "the same graph as processes", 3, 5),
         "identify_wall": Row("`identify`, 300 s bag at 1 kHz, time", "bare rosbag::View read", 1.25,
                              1.05, most=True),
+        "bag_order": Row("tools on a bag in bursts or by topic, processor time, the worst",
+                         "the same bag in the order of time", 1.3, 1.05, most=True),
         "python": Row("`identify`", "Python rosbag and numpy doing the same", 30, 30),
         "monte_carlo": Row("Monte Carlo, 2 cores", "1 core, half on each", 1.9, 1.98),
         "memory": Row("memory of `identify` beyond a bare read, 300 s", "rosbag::View", 20, 5, " MB",
@@ -147,6 +149,34 @@ class Measurement:
         row.measured = 1.0 / results["identify_wall"]["ratio"]
         row.note = f"processor {1.0 / results['identify_processor']['ratio']:.2f}x"
 
+    def processor_time(self, *command):
+        begin = os.times()
+        self.run(*command)
+        end = os.times()
+        return end.children_user + end.children_system - begin.children_user - begin.children_system
+
+    def bag_order(self):
+        bag = self.bag(60 if self.quick else 300)
+        others = {order: self.work / f"{order}_{bag.name}" for order in ("bursts", "topics")}
+        for order, path in others.items():
+            self.run(self.programs / "reorder_bag", bag, path, order)
+        tools = {"identify": ("--config", CONFIG), "validate_bag": (), "summarise_run": (),
+                 "export_csv": ("--output", self.work / "log.csv")}
+        worst, note = 0.0, ""
+        for tool, options in tools.items():
+            ratios = {order: [] for order in others}
+            for _ in range(3 if self.quick else 9):
+                straight = self.processor_time(self.programs / tool, bag, *options)
+                for order, path in others.items():
+                    ratios[order].append(
+                        self.processor_time(self.programs / tool, path, *options) / straight)
+            for order, found in ratios.items():
+                self.say(f"  {tool}, {order}: {statistics.median(found):.3f}")
+                if statistics.median(found) > worst:
+                    worst, note = statistics.median(found), f"`{tool}`, {order}"
+        self.rows["bag_order"].measured = worst
+        self.rows["bag_order"].note = note
+
     def python(self):
         bag = self.bag(30 if self.quick else 60)
         ratios = []
@@ -155,11 +185,7 @@ class Measurement:
             for command in ([self.programs / "identify", bag, "--config", CONFIG],
                             ["/usr/bin/python3", ROOT / "benchmark" / "identify_in_python.py", bag,
                              "14e3", "22000"]):
-                begin = os.times()
-                self.run(*command)
-                end = os.times()
-                times.append(end.children_user + end.children_system - begin.children_user -
-                             begin.children_system)
+                times.append(self.processor_time(*command))
             ratios.append(times[1] / times[0])
         self.rows["python"].measured = statistics.median(ratios)
         self.rows["python"].note = f"{'30' if self.quick else '60'} s bag"
@@ -246,7 +272,8 @@ class Measurement:
         core = ["filter_speed", "filter_accuracy", "plant", "closed_loop", "chain_10Hz", "chain_1kHz",
                 "flat_cost", "monte_carlo"]
         steps = [(name, lambda name=name: self.core([name])) for name in core]
-        steps += [("octave", self.octave), ("identify_wall", self.identify), ("python", self.python),
+        steps += [("octave", self.octave), ("identify_wall", self.identify), ("bag_order", self.bag_order),
+                  ("python", self.python),
                   ("memory", lambda: self.memory("memory", 300)),
                   ("memory_long", lambda: self.memory("memory_long", 1200 if self.quick else 10800)),
                   ("lockstep", self.lockstep), ("nodelets", self.nodelets)]

@@ -86,7 +86,7 @@ plain() { # a line of a log without colours, level and time
   sed 's/\x1b\[[0-9;]*m//g; s/^\[ *[A-Z]*\] *\(\[[^]]*\]\)*: *//'
 }
 
-rm -f "$bag" "$bag.active"
+rm -f "$bag" "$bag".*.active
 compensate_after=$(python3 -c "print(round(0.51 * $duration, 1))")
 echo "simulating $duration s of $preset, compensation from $compensate_after s (log: $log)"
 roslaunch -p "$port" ring_gyro simulation.launch preset:="$preset" duration:="$duration" \
@@ -114,10 +114,19 @@ launch_pid=''
 fatal=$(grep -a -m 1 '\[FATAL\]' "$log" | plain || true)
 [ -z "$fatal" ] || fail "$fatal (see $log)"
 [ "$status" -eq 0 ] || fail "roslaunch ended with status $status; see $log"
-[ -f "$bag" ] || fail "the run left no bag; see $log"
+# The first process to end: the plant where the run was whole.
+first=$(grep -a -m 1 -oE '\[[a-z_]+-[0-9]+\] has died' "$log" || true)
+[ -f "$bag" ] || fail "the run was cut and left no bag${first:+: $first}; see $log"
 
-rosrun ring_gyro summarise_run "$bag" --json "$output/summary.json" --csv "$output" |
-  tee "$output/summary.txt"
+# Status 2: the tables are there, and a line says what is not to be relied on.
+status=0
+rosrun ring_gyro summarise_run "$bag" --json "$output/summary.json" --csv "$output" \
+  >"$output/summary.txt" || status=$?
+[ "$status" -eq 0 ] || [ "$status" -eq 2 ] || fail "$bag cannot be summarised"
+if grep -q '"cut": true' "$output/summary.json"; then
+  fail "the run was cut before its end${first:+: $first}; what there is of it is in $bag, see $log"
+fi
+cat "$output/summary.txt"
 echo
 echo "plots:"
 "$root/scripts/plot_run.py" "$output" || fail "no plots"

@@ -7,7 +7,7 @@ Writes DIR/parameters, DIR/rate_against_angle and DIR/loops and prints their nam
 """
 
 import argparse
-import csv
+import io
 import json
 import sys
 import textwrap
@@ -20,6 +20,13 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.ticker import StrMethodFormatter  # noqa: E402
 
+# Beside this file where the package is installed.
+here = Path(__file__).resolve().parent
+sys.path.insert(0, str(here if (here / "ring_gyro_figures").is_dir() else here.parent / "python"))
+
+from ring_gyro_figures.output import write_whole  # noqa: E402
+from ring_gyro_figures.tools import Series, ToolError  # noqa: E402
+
 BLUE, ORANGE, GREEN, GREY = "#0060a8", "#d55e00", "#00795a", "#707070"
 HARMONICS = 8
 
@@ -29,21 +36,6 @@ plt.rcParams.update({
     "legend.framealpha": 0.9, "legend.edgecolor": "none", "legend.fontsize": 8,
     "figure.constrained_layout.use": True, "axes.axisbelow": True,
 })
-
-
-class Series:
-    """Columns of a CSV file by name; an empty cell is NaN."""
-
-    def __init__(self, path: Path):
-        with path.open(newline="") as file:
-            rows = csv.reader(file)
-            names = next(rows)
-            values = [[float(cell) if cell else np.nan for cell in row] for row in rows]
-        table = np.array(values).reshape(len(values), len(names))
-        self._columns = {name: table[:, i] for i, name in enumerate(names)}
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self._columns[name]
 
 
 def compensation_start(summary: dict):
@@ -286,10 +278,13 @@ def main() -> int:
         }
         for name, figure in figures.items():
             path = folder / f"{name}.{arguments.format}"
-            part = folder / f".{name}.part.{arguments.format}"
-            figure.savefig(part, dpi=150)
-            part.rename(path)
+            picture = io.BytesIO()
+            figure.savefig(picture, format=arguments.format, dpi=150)
+            write_whole(path, picture.getvalue())
             print(path)
+    except ToolError as error:
+        print(f"plot_run.py: {error}", file=sys.stderr)
+        return 1
     except (OSError, ValueError, KeyError) as error:
         print(f"plot_run.py: {folder}: {error}; it must hold what summarise_run --json "
               f"{folder}/summary.json --csv {folder} writes", file=sys.stderr)

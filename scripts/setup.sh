@@ -25,7 +25,8 @@ setup_packages() { # tests: yes or no; benchmark: yes or no
         libnodeletlib-dev libnodeletlib-tools libbondcpp-dev pluginlib-dev ros-message-generation \
         librosbag-dev librosbag-storage-dev libsensor-msgs-dev libstd-srvs-dev \
         libros-rosgraph-msgs-dev python3-rosbag python3-roslaunch python3-rosmaster python3-rosnode \
-        python3-rosparam python3-rospy python3-rostopic python3-rosservice rosout
+        python3-rosparam python3-rospy python3-rostopic python3-rosservice rosout \
+        python3-diagnostic-msgs python3-sensor-msgs python3-std-srvs
       [ "$1" = no ] || printf '%s\n' librostest-dev python3-rostest
       ;;
     ubuntu-20.04)

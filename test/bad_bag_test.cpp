@@ -144,6 +144,32 @@ TEST_F(BadBagTest, Unindexed) {
   EXPECT_EQ(result.at("data").at("last_sequence").get<int>(), 3049);
 }
 
+TEST_F(BadBagTest, ToolsThatNeedAWholeBagRefuseAnother) {
+  const std::string whole = contentsOf(changed("whole.bag", {}));
+  std::string damaged = whole;
+  damaged.replace(whole.find("compression=lz4", whole.size() / 2) + 2000, 2000, 2000, '\x55');
+  for (const std::string& bytes : {whole.substr(0, whole.size() * 3 / 4), damaged}) {
+    const std::string bag = folder_->file("part.bag");
+    writeContents(bag, bytes);
+    for (const std::string& command :
+         {"summarise_run " + bag, "export_csv " + bag + " --output " + folder_->file("log.csv")}) {
+      const Outcome outcome = run(command);
+      EXPECT_EQ(outcome.exit_code, 1) << command;
+      EXPECT_EQ(outcome.lines(), 1) << outcome.errors;
+      for (const std::string& part : {bag, std::string("lost"), std::string("rosbag reindex")}) {
+        EXPECT_NE(outcome.errors.find(part), std::string::npos) << outcome.errors;
+      }
+      EXPECT_EQ(outcome.output, "");
+    }
+    EXPECT_FALSE(exists(folder_->file("log.csv")));
+    // This one goes on with what is left, and says so.
+    const Outcome outcome = run("compare_identifiers " + bag + " --config " + configuration());
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.errors.find(bag + ": cut off or damaged"), std::string::npos);
+    EXPECT_NE(outcome.output.find("extended filter"), std::string::npos);
+  }
+}
+
 TEST_F(BadBagTest, Encrypted) {
   const auto field = [](const std::string& text) {
     const auto size = static_cast<std::uint32_t>(text.size());
@@ -212,6 +238,143 @@ TEST_F(BadBagTest, NotFinite) {
     return 1;
   };
   expectRefused(changed("all_nan.bag", change), "not finite", "check what recorded");
+}
+
+TEST_F(BadBagTest, OnlyTheTotalDriveIsEnough) {
+  BagChange change;
+  change.gains = [](auto& m) {
+    m.sustain = m.quadrature = m.steering = m.compensation = {};
+    return 1;
+  };
+  const Outcome outcome = identify(changed("total.bag", change));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const auto total = nlohmann::json::parse(contentsOf(json())).at("runs").at(0);
+  EXPECT_EQ(identify(good()).exit_code, 0);
+  const auto parts = nlohmann::json::parse(contentsOf(json())).at("runs").at(0);
+  EXPECT_EQ(total.at("counts"), parts.at("counts"));
+  for (const char* name : {"gamma1", "mu2", "ks"}) {
+    const auto& with_total = total.at("parameters").at(name);
+    const auto& with_parts = parts.at("parameters").at(name);
+    const double sigma = with_parts.at("sigma").get<double>();
+    EXPECT_NEAR(with_total.at("value").get<double>(), with_parts.at("value").get<double>(),
+                1e-6 * sigma)
+        << name;
+  }
+}
+
+TEST_F(BadBagTest, DriveThatContradictsItsParts) {
+  BagChange change;
+  change.gains = [](auto& m) {
+    if (m.sequence == 2000) m.drive.y_imag += 0.01;
+    return 1;
+  };
+  const auto result =
+      expectIdentifiedWithFault(changed("one_drive.bag", change), "is not the sum of its parts", 2);
+  EXPECT_EQ(result.at("counts").at("unusable").at("contradiction").get<int>(), 1);
+  change.gains = [](auto& m) {
+    m.drive = {};
+    return 1;
+  };
+  expectRefused(changed("all_drives.bag", change), "whose drive contradicts its parts",
+                "is not the sum of its parts");
+}
+
+TEST_F(BadBagTest, ZeroFrequencyIsNotUsable) {
+  BagChange change;
+  change.gains = [](auto& m) {
+    if (m.sequence >= 2000 && m.sequence < 2010) m.reference_frequency = 0.0;
+    return 1;
+  };
+  const auto result = expectIdentifiedWithFault(changed("frequency.bag", change),
+                                                "without a reference frequency", 2);
+  EXPECT_EQ(result.at("counts").at("unusable").at("no_frequency").get<int>(), 10);
+  change.gains = [](auto& m) {
+    m.reference_frequency = 0.0;
+    return 1;
+  };
+  expectRefused(changed("no_frequency.bag", change), "without a reference frequency",
+                "check what recorded the reference frequency");
+}
+
+TEST_F(BadBagTest, ImpossibleNumbers) {
+  BagChange change;
+  change.elements = [](auto& m) {
+    if (m.sequence == 2000) m.group_delay = -0.001;
+    return 1;
+  };
+  auto result = expectIdentifiedWithFault(changed("delay.bag", change), "group_delay = -0.001", 2);
+  EXPECT_EQ(result.at("counts").at("unusable").at("impossible").get<int>(), 1);
+  change = {};
+  change.gains = [](auto& m) {
+    if (m.sequence == 2000) m.beta = std::numeric_limits<double>::quiet_NaN();
+    return 1;
+  };
+  result = expectIdentifiedWithFault(changed("beta_nan.bag", change), "beta = nan", 2);
+  EXPECT_EQ(result.at("counts").at("unusable").at("not_finite").get<int>(), 1);
+}
+
+TEST_F(BadBagTest, AHopelessFitIsNotConverged) {
+  EXPECT_NE(identify(good(),
+                     "--set identification/converged_mu_sigma=1 "
+                     "--set identification/converged_angle=1")
+                .output.find("converged    after"),
+            std::string::npos);
+  // Half the drive along x had never acted: no set of parameters makes such a motion.
+  BagChange change;
+  change.gains = [](auto& m) {
+    for (auto* envelope : {&m.drive, &m.sustain, &m.quadrature, &m.steering, &m.compensation}) {
+      envelope->x_real *= 0.5;
+      envelope->x_imag *= 0.5;
+    }
+    return 1;
+  };
+  const std::string bag = changed("hopeless.bag", change);
+  Outcome outcome = identify(bag,
+                             "--set identification/converged_mu_sigma=1 "
+                             "--set identification/converged_angle=1");
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+  EXPECT_EQ(outcome.lines(), 1) << outcome.errors;
+  EXPECT_NE(outcome.errors.find(bag + ": the data do not fit the model: mean NIS"),
+            std::string::npos)
+      << outcome.errors;
+  EXPECT_EQ(outcome.output.find("converged    after"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("converged    no: "), std::string::npos) << outcome.output;
+  const auto result = nlohmann::json::parse(contentsOf(json())).at("runs").at(0);
+  EXPECT_FALSE(result.at("converged").get<bool>());
+  EXPECT_EQ(result.at("faults").size(), 1u);
+  outcome = identify(bag, "--extended");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.errors.find(bag + ": extended: the data do not fit"), std::string::npos)
+      << outcome.errors << outcome.output;
+}
+
+TEST_F(BadBagTest, ASecondPlantIsLeftOutOnceItIsLeft) {
+  // Two plants at once: each block of the bag, and after it a block of another session.
+  const std::string bag = folder_->file("two_plants.bag");
+  {
+    const rosbag::Bag from(good());
+    rosbag::Bag to(bag, rosbag::bagmode::Write);
+    rosbag::View view(from);
+    for (const rosbag::MessageInstance& instance : view) {
+      const auto write_both = [&](auto message, const char* topic) {
+        if (!message) return;
+        if (message->sequence < 1000) {
+          auto other = *message;
+          other.session += 1;
+          to.write(topic, instance.getTime(), other);
+        }
+        to.write(topic, instance.getTime(), *message);
+      };
+      write_both(instance.instantiate<ring_gyro_msgs::OrbitalElements>(), topics::kOrbitalElements);
+      write_both(instance.instantiate<ring_gyro_msgs::ControlGains>(), topics::kControlGains);
+    }
+  }
+  const auto result =
+      expectIdentifiedWithFault(bag, "of a session that had been left, left out", 2);
+  EXPECT_EQ(result.at("counts").at("new_sessions").get<int>(), 1);
+  EXPECT_EQ(result.at("counts").at("filter_restarts").get<int>(), 1);
+  EXPECT_EQ(result.at("counts").at("left_sessions").get<int>(), 2 * 999);
+  EXPECT_EQ(result.at("data").at("last_sequence").get<int>(), 3049);
 }
 
 TEST_F(BadBagTest, ConstantTheta) {

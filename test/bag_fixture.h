@@ -5,11 +5,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -109,6 +112,60 @@ inline void copyBag(const std::string& from_path, const std::string& to_path,
     copyMessage<ring_gyro_msgs::OrbitalElements>(instance, change.elements_topic, change.elements,
                                                  to);
     copyMessage<ring_gyro_msgs::ControlGains>(instance, change.gains_topic, change.gains, to);
+  }
+  to.close();
+}
+
+/// Orders in which the messages of a run may lie in its bag.
+enum class BagOrder {
+  kBursts,     ///< a thousand blocks of one topic after the other
+  kByTopic,    ///< each topic as a whole after the other
+  kBackwards,  ///< the last first
+  kHalves,     ///< the second half before the first
+  kStray       ///< a few early messages at the very end
+};
+
+/// A copy with all topics, in another order in the file; bag times stay.
+inline void reorderBag(const std::string& from_path, const std::string& to_path, BagOrder order,
+                       rosbag::CompressionType compression, std::uint32_t chunk_bytes = 64 * 1024) {
+  const rosbag::Bag from(from_path);
+  rosbag::View view(from);
+  const std::vector<rosbag::MessageInstance> messages(view.begin(), view.end());
+  // A message instance cannot be assigned: what is sorted are the places.
+  std::vector<std::size_t> places(messages.size());
+  std::iota(places.begin(), places.end(), 0u);
+  const auto by_topic = [&messages](std::size_t a, std::size_t b) {
+    return messages[a].getTopic() < messages[b].getTopic();
+  };
+  const auto at = [&places](std::size_t place) {
+    return places.begin() + static_cast<std::ptrdiff_t>(std::min(place, places.size()));
+  };
+  constexpr std::size_t kBurst = 3000;
+  switch (order) {
+    case BagOrder::kBursts:
+      for (std::size_t i = 0; i < places.size(); i += kBurst) {
+        std::stable_sort(at(i), at(i + kBurst), by_topic);
+      }
+      break;
+    case BagOrder::kByTopic:
+      std::stable_sort(places.begin(), places.end(), by_topic);
+      break;
+    case BagOrder::kBackwards:
+      std::reverse(places.begin(), places.end());
+      break;
+    case BagOrder::kHalves:
+      std::rotate(places.begin(), at(places.size() / 2), places.end());
+      break;
+    case BagOrder::kStray:
+      std::rotate(at(100), at(110), places.end());
+      break;
+  }
+  rosbag::Bag to(to_path, rosbag::bagmode::Write);
+  to.setCompression(compression);
+  to.setChunkThreshold(chunk_bytes);
+  for (const std::size_t place : places) {
+    const rosbag::MessageInstance& message = messages[place];
+    to.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
   }
   to.close();
 }

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <optional>
+#include <random>
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/resonator/plant_simulator.h"
@@ -239,6 +241,136 @@ TEST(ControlLoops, CoastThroughSamplesThatAreNotFinite) {
   int usable = 0;
   for (int n = 0; n < 100; ++n) usable += loop.step().elements.status.usable() ? 1 : 0;
   EXPECT_EQ(usable, 100) << "five bad blocks must not cost the lock";
+}
+
+TEST(ControlLoops, CoastThroughAReferenceThatIsNotFinite) {
+  LoopSetup setup;
+  setup.control.virtual_rate = toRadians(12.0);
+  Loop loop(setup);
+  ASSERT_TRUE(loop.lockTime(1.0).has_value());
+  while (loop.time() < 0.5) loop.step();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (int n = 0; n < 4; ++n) {
+    const double frequency = loop.block().reference_frequency;
+    (n % 2 ? loop.block().reference_phase : loop.block().reference_frequency) =
+        n < 2 ? nan : std::numeric_limits<double>::infinity();
+    const LoopOutput& output = loop.step();
+    EXPECT_TRUE(output.elements.status.invalid_samples);
+    EXPECT_TRUE(output.command.envelope.allFinite());
+    EXPECT_NEAR(output.gains.reference_frequency, frequency, 1e-6 * frequency);
+    EXPECT_TRUE(std::isfinite(output.gains.reference_phase + output.command.reference_phase +
+                              output.command.reference_frequency));
+  }
+  loop.step();
+  int usable = 0;
+  for (int n = 0; n < 100; ++n) usable += loop.step().elements.status.usable() ? 1 : 0;
+  EXPECT_EQ(usable, 100) << "four bad references must not cost the lock";
+}
+
+// Nothing of the first session may be seen in the second: not in the filter, the integrators, what
+// was learnt, the turns counted, the locks, nor what was decided.
+TEST(ControlLoops, ANewSessionFindsThemAsNewlyMade) {
+  LoopSetup setup;
+  setup.plant.sense.noise_density = 5e-6;
+  setup.control.virtual_rate = toRadians(12.0);
+  setup.calibration.gamma1 = 0.01;
+  for (const int first_blocks : {1, 100, 4000}) {
+    for (const int missed : {0, 1, 37}) {  // blocks of the second session
+      ControlLoops used(setup.control, {}, setup.converter, setup.calibration);
+      PlantSimulator first(setup.plant, setup.converter, 3, 1, kStart);
+      DisplacementBlock block = first.start();
+      for (int n = 0; n < first_blocks; ++n) {
+        if (n == 2000) {
+          LoopSettings settings;
+          settings.virtual_rate = -1.0;
+          settings.amplitude_modulation = 0.1;
+          used.setSettings(settings);
+          used.setCompensation({1e-7, 2e-7});
+        }
+        block = first.step(used.process(block).command);
+      }
+      ControlLoops fresh(setup.control, {}, setup.converter, setup.calibration);
+      PlantSimulator plant(setup.plant, setup.converter, 4, 2, kStart);
+      block = plant.start();
+      for (int n = 0; n < missed; ++n) block = plant.coast();
+      for (int n = 0; n < 500; ++n) {
+        const LoopOutput& one = used.process(block);
+        const LoopOutput& other = fresh.process(block);
+        ASSERT_EQ(one.elements.orbit.a, other.elements.orbit.a) << n;
+        ASSERT_EQ(one.elements.orbit.theta, other.elements.orbit.theta) << n;
+        ASSERT_EQ(one.elements.theta_rate, other.elements.theta_rate) << n;
+        ASSERT_EQ(one.elements.status.invalid_samples, other.elements.status.invalid_samples) << n;
+        ASSERT_EQ(one.elements.status.usable(), other.elements.status.usable()) << n;
+        ASSERT_EQ(one.gains.drive.total(), other.gains.drive.total()) << n;
+        ASSERT_EQ(one.command.envelope, other.command.envelope) << n;
+        ASSERT_EQ(one.command.reference_frequency, other.command.reference_frequency) << n;
+        if (n < 2) {
+          EXPECT_LT(one.elements.orbit.a, 0.02) << "the second ring is at rest";
+        }
+        block = plant.step(one.command);
+      }
+    }
+  }
+}
+
+// Whatever is corrected, within the ranges that the parameters allow.
+TEST(ControlLoops, NeverSendMoreThanTheDriveLimit) {
+  std::mt19937 engine(5);
+  std::uniform_real_distribution<double> between(-1.0, 1.0);
+  for (int trial = 0; trial < 12; ++trial) {
+    LoopSetup setup;
+    setup.control.virtual_rate = between(engine) * 2.0;
+    setup.control.drive_limit = 6.0 + 4.0 * between(engine);
+    setup.control.hold_gain = 0.55 + 0.45 * between(engine);
+    setup.control.hold_delay = 5e-6 * (1.0 + between(engine));
+    DrivePath& path = setup.calibration.drive_path;
+    path.mismatch = 0.3 * between(engine);
+    path.skew = 0.3 * between(engine);
+    path.rotation = 0.3 * between(engine);
+    path.phase_mismatch = 0.3 * between(engine);
+    setup.calibration.gamma1 = 0.1 * between(engine);
+    Loop loop(setup);
+    double largest = 0.0;
+    DriveCommand sent;
+    while (loop.time() < 0.6) {
+      const LoopOutput& output = loop.step();
+      if (output.elements.stamp.sequence > 0) {
+        // What is told to have acted is what was sent, less the corrections.
+        const Eigen::Vector2cd asked =
+            setup.control.hold_gain *
+            std::polar(1.0, -sent.reference_frequency * setup.control.hold_delay) *
+            (setup.calibration.driveCorrection().inverse() * sent.envelope);
+        EXPECT_LT((output.gains.drive.total() - asked).norm(), 1e-9);
+      }
+      sent = output.command;
+      largest = std::max(largest, sent.envelope.cwiseAbs().maxCoeff());
+    }
+    EXPECT_LE(largest, setup.control.drive_limit * (1.0 + 1e-12));
+    EXPECT_GT(largest, 0.3 * setup.control.drive_limit);
+  }
+}
+
+TEST(ControlLoops, SayWhenTheDriveWasCutByItsConverter) {
+  LoopSetup setup;
+  setup.plant.drive.zero_order_hold = true;
+  setup.plant.drive.dac_bits = 14;
+  setup.plant.drive.dac_range = 2.0;  // the loops send up to 10 V
+  Loop loop(setup);
+  int clipped = 0;
+  while (loop.time() < 0.2) {
+    const std::uint32_t samples = loop.block().clipped_drive_samples;
+    const bool limited = loop.block().driven;
+    const LoopOutput& output = loop.step();
+    EXPECT_LE(samples, 400u);
+    if (samples > 0) {
+      ++clipped;
+      EXPECT_TRUE(limited);
+      EXPECT_TRUE(output.elements.status.drive_saturated);
+      EXPECT_TRUE(output.gains.status.drive_saturated);
+      EXPECT_FALSE(output.elements.status.usable());
+    }
+  }
+  EXPECT_GT(clipped, 50);
 }
 
 TEST(ControlLoops, SayWhenTheConverterSaturates) {

@@ -12,7 +12,7 @@
 
 #include "message_bytes.h"
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/configuration/configuration_writer.h"
+#include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/message_pool.h"
 
 namespace ring_gyro {
@@ -101,6 +101,7 @@ TEST(Conversions, DisplacementBlock) {
   block.reference_phase = values.next();
   block.reference_frequency = values.next();
   block.saturated_samples = 3;
+  block.clipped_drive_samples = 7;
   for (int i = 0; i < 200; ++i) {
     block.x.push_back(values.next());
     block.y.push_back(values.next());
@@ -224,9 +225,13 @@ Calibration anyCalibration(Values& values, int orders) {
 }
 
 std::string parametersOf(Calibration calibration) {
-  Sections sections = {{"calibration", {}}};
-  calibration.declare(sections[0].table);
-  return configurationYaml(sections);
+  ParameterTable table;
+  calibration.declare(table);
+  std::string text;
+  for (const Parameter& parameter : table.parameters()) {
+    text += parameter.key + ": " + valueText(parameter) + "\n";
+  }
+  return text;
 }
 
 TEST(Conversions, CalibrationCommand) {
@@ -290,6 +295,18 @@ TEST(Conversions, SensedRateHasTheSignOfTheCase) {
   EXPECT_EQ(imu.header.frame_id, "gyro");
   EXPECT_EQ(imu.linear_acceleration_covariance[0], -1.0);
   EXPECT_EQ(imu.angular_velocity_covariance[8], 0.0);
+}
+
+TEST(Conversions, SensedRateIsStampedWhenItIsValid) {
+  OrbitalElements elements;
+  elements.stamp = {1, 6, 1007000000, 1000000};
+  elements.group_delay = 0.7125e-3;
+  sensor_msgs::Imu imu;
+  toMessage(elements, 1.0, "gyro", imu);
+  EXPECT_EQ(nanosecondsFromTime(imu.header.stamp), 1007000000 - 712500);
+  elements.stamp.end_ns = 500000;  // no time before zero
+  toMessage(elements, 1.0, "gyro", imu);
+  EXPECT_EQ(nanosecondsFromTime(imu.header.stamp), 0);
 }
 
 TEST(MessagePool, GivesOnlyWhatNobodyHolds) {

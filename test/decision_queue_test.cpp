@@ -85,5 +85,43 @@ TEST_F(DecisionQueueTest, WhatAnEarlierRunLeftBehindHoldsNothingUp) {
   EXPECT_EQ(queue_.counts().foreign, 1u);
 }
 
+TEST_F(DecisionQueueTest, ABlockWhoseDecisionHasBeenUsedUpDoesNotWaitAgain) {
+  for (std::uint64_t block = 1; block < 200; ++block) EXPECT_TRUE(applied(block).empty());
+  queue_.add({kSession, 200, 1});
+  EXPECT_EQ(applied(200), std::vector<int>{1});
+  EXPECT_FALSE(queue_.mustWaitFor(kSession, 200)) << "the same block again";
+  for (std::uint64_t block = 201; block < 300; ++block) EXPECT_TRUE(applied(block).empty());
+  EXPECT_TRUE(queue_.mustWaitFor(kSession, 300));
+  EXPECT_FALSE(queue_.mustWaitFor(kSession, 200)) << "an old block";
+}
+
+TEST_F(DecisionQueueTest, NothingIsDueFromDataThatTheNodeHasNotSeen) {
+  EXPECT_TRUE(applied(1).empty());
+  EXPECT_TRUE(queue_.mustWaitFor(kSession, 400));
+  EXPECT_FALSE(queue_.mustWaitFor(kSession + 1, 400)) << "a block of another session";
+  // A new session that this node joins in the middle.
+  EXPECT_TRUE(applied(351, kSession + 1).empty());
+  EXPECT_FALSE(queue_.mustWaitFor(kSession + 1, 400));
+  EXPECT_TRUE(queue_.mustWaitFor(kSession + 1, 500));
+  EXPECT_FALSE(queue_.mustWaitFor(kSession, 500));
+}
+
+TEST_F(DecisionQueueTest, AppliesInTheOrderOfTheBlocks) {
+  EXPECT_TRUE(applied(1).empty());
+  queue_.add({kSession, 500000, 3});  // far ahead: it must not hold up what comes after it
+  queue_.add({kSession, 300, 2});
+  queue_.add({kSession, 200, 1});
+  EXPECT_EQ(applied(200), std::vector<int>{1});
+  EXPECT_EQ(applied(300), std::vector<int>{2});
+}
+
+TEST_F(DecisionQueueTest, HoldsABoundedNumber) {
+  EXPECT_TRUE(applied(1).empty());
+  for (std::uint64_t i = 0; i < 1000; ++i) queue_.add({kSession, 1000 + i, 2});
+  queue_.add({kSession, 200, 1});
+  EXPECT_EQ(queue_.counts().early, 1001 - kMostDecisions);
+  EXPECT_EQ(applied(200), std::vector<int>{1});
+}
+
 }  // namespace
 }  // namespace ring_gyro

@@ -61,5 +61,20 @@ TEST(LoopFilter, RemovesAConstantDisturbance) {
   EXPECT_NEAR(filter.integral(), -7.0, 1e-9);
 }
 
+// What is learnt ahead of the loop must not carry it beyond its limits.
+TEST(LoopFilter, LimitsTheSumWithWhatIsAddedToIt) {
+  for (const double sign : {1.0, -1.0}) {
+    for (const double beside : {0.0, 0.7, 3.0, -0.4}) {
+      LoopFilter filter(loopGains(10.0, 1.0), kPeriod, -1.0, 1.0);
+      double output = 0.0;
+      for (int step = 0; step < 1000; ++step) output = filter.update(sign * 0.5, sign * beside);
+      EXPECT_DOUBLE_EQ(output + sign * beside, sign * 1.0);
+      // And back at once.
+      output = filter.update(-sign * 0.5, sign * beside);
+      EXPECT_LT(sign * (output + sign * beside), 1.0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ring_gyro

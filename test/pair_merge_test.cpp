@@ -127,6 +127,58 @@ TEST_F(PairMergeTest, FlushCountsWhatWaits) {
   EXPECT_EQ(sequences_, (Sequences{2}));
 }
 
+TEST_F(PairMergeTest, ASilentTopicIsNotWaitedForForEver) {
+  const std::uint64_t most = PairMerge::kMostWaiting;
+  for (std::uint64_t i = 0; i < most; ++i) merge_.add(elements(i));
+  EXPECT_EQ(merge_.waiting(), most);
+  EXPECT_EQ(merge_.counts().elements_alone, 0u);
+  for (std::uint64_t i = most; i < most + 1000; ++i) merge_.add(elements(i));
+  EXPECT_EQ(merge_.waiting(), most);
+  EXPECT_EQ(merge_.counts().elements_alone, 1000u);
+  EXPECT_EQ(merge_.counts().overdue, 1000u);
+  // The gains come after all: from the oldest that waits on nothing is lost.
+  for (std::uint64_t i = 990; i < most + 1000; ++i) merge_.add(gains(i));
+  EXPECT_EQ(merge_.counts().pairs, most);
+  EXPECT_EQ(sequences_.front(), 1000u);
+  EXPECT_EQ(merge_.counts().gains_alone, 10u);
+  EXPECT_EQ(merge_.waiting(), 0u);
+  for (std::uint64_t i = 0; i < 2 * most; ++i) merge_.add(gains(most + 1000 + i));
+  EXPECT_EQ(merge_.waiting(), most);
+  EXPECT_EQ(merge_.counts().overdue, 1000u + most);
+}
+
+TEST_F(PairMergeTest, TopicsInDifferentSessionsAreBoundedToo) {
+  const std::uint64_t most = PairMerge::kMostWaiting;
+  for (std::uint64_t i = 0; i < 2 * most; ++i) {
+    merge_.add(elements(i, 1));
+    merge_.add(gains(i, 2));
+  }
+  EXPECT_EQ(merge_.waiting(), 2 * most);
+  EXPECT_EQ(merge_.counts().overdue, 2 * most);
+  EXPECT_TRUE(sequences_.empty());
+}
+
+TEST_F(PairMergeTest, WhatGoesOnInASessionThatWasLeftIsLeftOut) {
+  const auto add = [this](std::uint64_t sequence, std::uint32_t session) {
+    merge_.add(elements(sequence, session));
+    merge_.add(gains(sequence, session));
+  };
+  add(10, 1);
+  add(0, 2);  // another plant starts, the first one goes on
+  add(11, 1);
+  add(1, 2);
+  add(12, 1);
+  add(2, 2);
+  EXPECT_EQ(sequences_, (Sequences{10, 0, 1, 2}));
+  EXPECT_EQ(merge_.elementsCounts().left_sessions, 2u);
+  EXPECT_EQ(merge_.elementsCounts().new_sessions, 1u);
+  add(10, 1);  // a bag that loops begins again
+  add(0, 3);
+  add(9, 1);
+  EXPECT_EQ(merge_.elementsCounts().left_sessions, 3u);
+  EXPECT_EQ(sequences_, (Sequences{10, 0, 1, 2, 0, 9}));
+}
+
 TEST(PairMerge, MayBeFlushedFromItsSink) {
   int pairs = 0;
   PairMerge* self = nullptr;

@@ -36,7 +36,7 @@ TEST(PatternFeedforward, DoesNotRunAwayAtRest) {
 
 TEST(PatternFeedforward, IsOffAtRateZero) {
   PatternFeedforward feedforward(0.0, kPeriod);
-  feedforward.reset(2.0);
+  feedforward.addConstant(2.0);
   feedforward.learn(5.0, 1.0);
   EXPECT_EQ(feedforward.at(0.4), 2.0);
 }

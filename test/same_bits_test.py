@@ -74,6 +74,16 @@ def estimates(bag: Path) -> list:
                 if topic.lstrip("/") == "parameter_estimate"]
 
 
+def in_file_order(bag: Path) -> list:
+    """Topic and bag time in seconds of each message, as they lie in the file."""
+    with rosbag.Bag(str(bag)) as recorded:
+        topics = {number: connection.topic.lstrip("/")
+                  for number, connection in recorded._connections.items()}
+        entries = [(entry.chunk_pos, entry.offset, topics[number], entry.time.to_sec())
+                   for number, index in recorded._connection_indexes.items() for entry in index]
+    return [(topic, at) for _, _, topic, at in sorted(entries)]
+
+
 class SameBits(unittest.TestCase):
     def setUp(self):
         self.folder_handle = tempfile.TemporaryDirectory(prefix="ring_gyro_same_bits_")
@@ -126,21 +136,26 @@ class SameBits(unittest.TestCase):
             messages = [ParameterEstimate().deserialize(data) for data in pickle.load(file)]
         return messages, report.read_bytes()
 
+    def blocks_seen(self, port: int) -> int:
+        """Of the identifier that runs; 0 when there is none yet."""
+        # It gives up at once when there is no master yet.
+        seen = subprocess.run(["rostopic", "echo", "-p", "-n", "1", "/parameter_estimate"],
+                              env=environment(port), capture_output=True, timeout=120,
+                              check=False, text=True).stdout.splitlines()
+        if len(seen) != 2:
+            return 0
+        estimate = dict(zip(seen[0].split(","), seen[1].split(",")))
+        return int(estimate["field.last_sequence"]) - int(estimate["field.first_sequence"])
+
+    def wait_for(self, condition) -> None:
+        deadline = time.monotonic() + 120
+        while not condition():
+            self.assertLess(time.monotonic(), deadline, "not in two minutes")
+            time.sleep(0.1)
+
     def wait_for_estimate(self, port: int, after: int) -> None:
         """Of the identifier that runs, once it has seen more than so many blocks."""
-        deadline = time.monotonic() + 120
-        while time.monotonic() < deadline:
-            # It gives up at once when there is no master yet.
-            seen = subprocess.run(["rostopic", "echo", "-p", "-n", "1", "/parameter_estimate"],
-                                  env=environment(port), capture_output=True, timeout=120,
-                                  check=False, text=True).stdout.splitlines()
-            if len(seen) == 2:
-                estimate = dict(zip(seen[0].split(","), seen[1].split(",")))
-                if int(estimate["field.last_sequence"]) >= after + int(
-                        estimate["field.first_sequence"]):
-                    return
-            time.sleep(0.1)
-        self.fail("no estimate in two minutes")
+        self.wait_for(lambda: self.blocks_seen(port) >= after)
 
     def assertSame(self, one: list, other: list):
         self.assertEqual(len(one), len(other))
@@ -182,6 +197,28 @@ class SameBits(unittest.TestCase):
         self.assertEqual(2 * counts["pairs"] + counts["elements_without_gains"]
                          + counts["gains_without_elements"] + counts["not_delivered"], 40000)
         self.assertIn("not delivered", " ".join(run["faults"]))
+
+    def test_recorded_in_the_order_of_the_stamps(self):
+        # Nodelets send faster than sockets are read: the recorder gets one topic after the other.
+        bag = self.folder / "nodelets.bag"
+        self.record(bag, duration=20, compensate="true", nodelets="true")
+        messages = in_file_order(bag)
+        self.assertEqual(len(messages), 3 * 20000 + 2 * 200 + 1)
+        times = [at for _, at in messages]
+        self.assertEqual(times, sorted(times))
+        for topic in ("orbital_elements", "control_gains", "plant_truth"):
+            places = [place for place, (name, _) in enumerate(messages) if name == topic]
+            self.assertLessEqual(max(b - a for a, b in zip(places, places[1:])), 5)
+        self.assertEqual(messages[-1][0], "end_of_run")
+
+    def test_raw_samples_are_recorded_from_the_first_block_on(self):
+        # The recorder listens to what plant and loops send each other, and is not taken for them.
+        for nodelets in ("true", "false"):
+            bag = self.folder / "raw.bag"
+            self.record(bag, duration=2, nodelets=nodelets, record_raw="true")
+            topics = [topic for topic, _ in in_file_order(bag)]
+            for topic in ("displacement", "drive_command", "orbital_elements"):
+                self.assertEqual(topics.count(topic), 2000, topic)
 
     def test_identifier_restarted_in_the_middle(self):
         bag = self.folder / "restarted.bag"

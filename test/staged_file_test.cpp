@@ -1,5 +1,6 @@
 #include "ring_gyro/common/staged_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -60,10 +61,26 @@ TEST_F(StagedFileTest, ARunThatEndsEarlyLeavesWhatItKept) {
 
 TEST_F(StagedFileTest, NothingIsKeptBesideAPipe) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
   StagedFile file(path("pipe"));
   file.keep("one");
   EXPECT_EQ(file.kept(), "");
   EXPECT_FALSE(fs::exists(path("pipe.partial")));
+  file.finish("whole");
+  char text[8] = {};
+  EXPECT_EQ(::read(reader, text, sizeof text), 5);
+  EXPECT_STREQ(text, "whole");
+  ::close(reader);
+}
+
+TEST_F(StagedFileTest, NobodyElseWritesItMeanwhile) {
+  StagedFile file(path("a"));
+  EXPECT_THROW(StagedFile(path("a")), std::runtime_error);
+  EXPECT_THROW(writeWholeFile(path("a"), "other"), std::runtime_error);
+  file.finish("whole");
+  EXPECT_EQ(textOf(path("a")), "whole");
+  writeWholeFile(path("a"), "other");
 }
 
 TEST_F(StagedFileTest, NoNameNoFile) {

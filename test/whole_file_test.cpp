@@ -9,6 +9,8 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "ring_gyro/common/write_fault.h"
+
 namespace ring_gyro {
 namespace {
 
@@ -50,11 +52,11 @@ TEST_F(WholeFileTest, IsThereWhenItIsFinished) {
   EXPECT_FALSE(fs::exists(path("x.yaml")));
   file.finish();
   EXPECT_EQ(contents(path("x.yaml")), "one\ntwo\n");
-  EXPECT_FALSE(fs::exists(path("x.yaml.part")));
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("")), {}), 1);
 }
 
 TEST_F(WholeFileTest, LeavesNothingAndChangesNothingWhenItIsNot) {
-  { WholeFile(path("x.yaml")).write("half"); }
+  { WholeFile(path("x.yaml")).write(std::string(100000, 'x')); }
   EXPECT_TRUE(empty());
   writeWholeFile(path("x.yaml"), "before");
   { WholeFile(path("x.yaml")).write("half"); }
@@ -77,6 +79,13 @@ TEST_F(WholeFileTest, SaysThatAFolderIsNoFile) {
   fs::create_directory(path("folder"));
   EXPECT_EQ(faultOf(path("folder")),
             path("folder") + ": cannot be written: Is a directory; name a file in it");
+}
+
+TEST_F(WholeFileTest, WritesNothingThatWasNotAskedFor) {
+  WholeFile file("");
+  file.write("text");
+  file.finish();
+  EXPECT_TRUE(empty());
 }
 
 TEST(WriteFault, NamesAMendForEveryReason) {

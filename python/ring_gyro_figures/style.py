@@ -1,8 +1,6 @@
 """One look for all figures: colours that the colour-blind can tell apart, sizes for print."""
 
 import io
-import os
-from pathlib import Path
 
 import matplotlib
 
@@ -66,14 +64,3 @@ def picture(figure, kind: str = "png") -> bytes:
     figure.savefig(buffer, format=kind, dpi=DPI, metadata=keep, bbox_inches="tight",
                    pad_inches=0.05)
     return buffer.getvalue()
-
-
-def write_whole(path: Path, data) -> None:
-    """A file whole or not at all."""
-    part = Path(str(path) + ".part")
-    try:
-        part.write_bytes(data if isinstance(data, bytes) else data.encode())
-        os.replace(part, path)
-    except OSError:
-        part.unlink(missing_ok=True)
-        raise

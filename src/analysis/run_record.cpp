@@ -69,4 +69,13 @@ void RunRecord::add(const ParameterEstimate& estimate) {
   estimates_.push_back(estimate);
 }
 
+void RunRecord::end(std::uint32_t session, std::uint64_t last_sequence) {
+  ends_[session] = last_sequence;
+}
+
+bool RunRecord::cut() const {
+  const auto end = ends_.find(session_);
+  return end == ends_.end() || first_sequence_ + blocks_.size() <= end->second;
+}
+
 }  // namespace ring_gyro

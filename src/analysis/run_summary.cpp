@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/identification/consistency.h"
 
 namespace ring_gyro {
 namespace {
@@ -205,11 +206,25 @@ RunSummary summarise(const RunRecord& record, const SummaryOptions& options) {
 
   const auto first_compensated = std::find_if(blocks.begin(), blocks.end(), isCompensated);
   summary.consistency = consistencyOf(record);
+  std::uint64_t updates = 0, updates_converged = 0;
+  double nis = 0.0, nis_converged = 0.0;
   for (const ParameterEstimate& estimate : record.estimates()) {
+    if (estimate.updated) {
+      ++updates;
+      nis += estimate.normalised_innovation_squared;
+    }
+    if (estimate.updated && summary.converged_time) {
+      ++updates_converged;
+      nis_converged += estimate.normalised_innovation_squared;
+    }
     if (!estimate.converged) {
       summary.converged_time.reset();
     } else if (!summary.converged_time) {
       summary.converged_time = record.time(estimate.stamp.end_ns);
+    }
+    if (!summary.converged_time) {
+      updates_converged = 0;
+      nis_converged = 0.0;
     }
     if (!estimate.updated) continue;
     summary.final_estimate = identificationAt(record, estimate);
@@ -217,6 +232,8 @@ RunSummary summarise(const RunRecord& record, const SummaryOptions& options) {
       summary.before_compensation = summary.final_estimate;
     }
   }
+  summary.misfit =
+      updates_converged > 0 ? misfitOf(updates_converged, nis_converged) : misfitOf(updates, nis);
   return summary;
 }
 

@@ -1,20 +1,14 @@
 #include "ring_gyro/common/staged_file.h"
 
 #include <cstdio>
-#include <filesystem>
-#include <system_error>
-#include <utility>
 
-#include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/common/output_target.h"
 
 namespace ring_gyro {
 
-StagedFile::StagedFile(std::string path) : path_(std::move(path)) {
-  requireWritable(path_);
-  std::error_code ignored;  // a file that is not there yet will be a regular one
-  const std::filesystem::file_status status = std::filesystem::status(path_, ignored);
-  if (path_.empty() || (exists(status) && !is_regular_file(status))) return;
-  partial_path_ = path_ + ".partial";
+StagedFile::StagedFile(const std::string& path) : whole_(path) {
+  if (path.empty() || outputTarget(path).kind != OutputTarget::Kind::kFile) return;
+  partial_path_ = path + ".partial";
   requireWritable(partial_path_);
 }
 
@@ -25,8 +19,7 @@ void StagedFile::keep(const std::string& text) {
 }
 
 void StagedFile::finish(const std::string& text) {
-  if (path_.empty()) return;
-  writeWholeFile(path_, text);
+  whole_.finish(text);
   if (!kept_.empty()) std::remove(kept_.c_str());
   kept_.clear();
 }

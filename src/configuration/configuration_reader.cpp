@@ -265,6 +265,8 @@ LoopConfiguration readConfigurationFiles(const std::vector<std::string>& paths,
   }
   try {
     LoopConfiguration configuration = readConfiguration(root, node);
+    configuration.files = paths;
+    configuration.files.push_back(configuration.plant.rotation.file);
     if (faults.empty()) return configuration;
   } catch (const ConfigurationError& error) {
     faults.insert(faults.end(), error.faults().begin(), error.faults().end());

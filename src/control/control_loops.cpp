@@ -52,7 +52,9 @@ ControlLoops::ControlLoops(const ControlParameters& control,
                            const DemodulationParameters& demodulation,
                            const ConverterParameters& converter, const Calibration& calibration)
     : parameters_(checked(control)),
+      demodulation_(demodulation),
       converter_(converter),
+      calibration_(calibration),
       demodulator_(demodulation, converter, control.natural_frequency),
       phase_loop_(gainsOf(control.phase_loop), converter.blockDuration(),
                   -kTwoPi * control.frequency_range, kTwoPi * control.frequency_range),
@@ -77,6 +79,10 @@ ControlLoops::ControlLoops(const ControlParameters& control,
   settings.amplitude_modulation_frequency = control.amplitude_modulation_frequency;
   settings.calibration = calibration;
   setSettings(settings);
+}
+
+void ControlLoops::restart() {
+  *this = ControlLoops(parameters_, demodulation_, converter_, calibration_);
 }
 
 void ControlLoops::setSettings(const LoopSettings& settings) {
@@ -108,12 +114,21 @@ bool ControlLoops::samplesUsable(const DisplacementBlock& block) const {
 }
 
 const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
+  if (started_ && block.stamp.session != last_stamp_.session) restart();
   LoopStatus& status = output_.elements.status;
-  const bool usable = samplesUsable(block);
-  if (!usable || !contiguous(block.stamp)) {
+  Reference reference{block.reference_phase, block.reference_frequency};
+  const bool referenced = std::isfinite(reference.phase) && std::isfinite(reference.frequency);
+  // As asked for in the last command: the NCO runs on.
+  const DriveCommand& last = output_.command;
+  if (!referenced) reference = {last.reference_phase, last.reference_frequency};
+  const bool usable = referenced && samplesUsable(block);
+  // Before the first block of a session the ring was at rest, as the empty filter has it.
+  const std::uint64_t expected = started_ ? last_stamp_.sequence + 1 : 0;
+  if (!usable || block.stamp.sequence != expected) {
     demodulator_.reset();
     blocks_to_settle_ = demodulator_.settlingBlocks();
   }
+  started_ = true;
   last_stamp_ = block.stamp;
   // Until the filter's window holds nothing but good samples again, its output is not an envelope.
   status.invalid_samples = !usable || blocks_to_settle_ > 0;
@@ -133,19 +148,14 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   const double theta = output_.elements.orbit.theta;
   output_.elements.angle = settings_.calibration.outputAngle(theta);
   output_.elements.angle_rate = theta_rate_ * settings_.calibration.outputSlope(theta);
-  recallActedDrive(block);
-  status.drive_saturated = output_.gains.status.drive_saturated;
+  recallActedDrive(block, reference);
+  status.drive_saturated = output_.gains.status.drive_saturated || block.clipped_drive_samples > 0;
   status.amplitude_locked = amplitude_lock_.locked();
   status.quadrature_locked = quadrature_lock_.locked();
   status.phase_locked = phase_lock_.locked();
   output_.gains.status = status;
-  command(block);
+  command(block, reference);
   return output_;
-}
-
-bool ControlLoops::contiguous(const BlockStamp& stamp) const {
-  return stamp.sequence == 0 ||
-         (stamp.session == last_stamp_.session && stamp.sequence == last_stamp_.sequence + 1);
 }
 
 void ControlLoops::measure(const Eigen::Vector2cd& envelope, double period) {
@@ -170,7 +180,7 @@ void ControlLoops::measure(const Eigen::Vector2cd& envelope, double period) {
   phase_lock_.update(orbit_found_ && std::abs(orbit.phi + 0.5 * kPi) < kPhaseLockError);
 }
 
-void ControlLoops::recallActedDrive(const DisplacementBlock& block) {
+void ControlLoops::recallActedDrive(const DisplacementBlock& block, const Reference& reference) {
   output_.gains = ControlGains{};
   if (block.driven) {
     const ActedDrive& acted = drives_[block.drive_answers_sequence % kDriveMemory];
@@ -183,17 +193,18 @@ void ControlLoops::recallActedDrive(const DisplacementBlock& block) {
     }
   }
   output_.gains.stamp = block.stamp;
-  output_.gains.reference_frequency = block.reference_frequency;
-  output_.gains.reference_phase = block.reference_phase;
+  output_.gains.reference_frequency = reference.frequency;
+  output_.gains.reference_phase = reference.phase;
 }
 
 DriveGains ControlLoops::closeLoops(double theta) {
   const Orbit& orbit = output_.elements.orbit;
   const bool locked = amplitude_lock_.locked() && quadrature_lock_.locked() && phase_lock_.locked();
   const double force_per_rate = 2.0 * frequency_ / parameters_.drive_gain;  // [V / (V/s)]
-  const double frequency_correction = phase_loop_.update(orbit.phi + 0.5 * kPi);
+  const double learnt_frequency = frequency_feedforward_.at(theta);
+  const double frequency_correction = phase_loop_.update(orbit.phi + 0.5 * kPi, learnt_frequency);
   frequency_ = kTwoPi * (parameters_.natural_frequency + parameters_.frequency_offset) +
-               frequency_correction + frequency_feedforward_.at(theta);
+               frequency_correction + learnt_frequency;
   DriveGains gains;
   gains.sustain_force = force_per_rate * amplitude_loop_.update(amplitudeSetpoint() - orbit.a);
   // b' = -ks a alpha / (2 w): alpha grows with b.
@@ -201,8 +212,9 @@ DriveGains ControlLoops::closeLoops(double theta) {
   gains.alpha =
       force_per_rate * (quadrature_correction + quadrature_feedforward_.at(theta)) / orbit.a;
   if (locked && !was_locked_) {
-    // What the loop holds is mostly the offset of the NCO: no swing to be learnt from it.
-    frequency_feedforward_.reset(phase_loop_.integral());
+    // What the loop holds is mostly an offset of the NCO: no swing to be learnt from it. What was
+    // learnt before the lock was lost stays in force.
+    frequency_feedforward_.addConstant(phase_loop_.integral());
     phase_loop_.reset();
   } else if (locked) {
     frequency_feedforward_.learn(frequency_correction, theta);
@@ -216,7 +228,7 @@ DriveGains ControlLoops::closeLoops(double theta) {
   return gains;
 }
 
-void ControlLoops::command(const DisplacementBlock& block) {
+void ControlLoops::command(const DisplacementBlock& block, const Reference& reference) {
   ActedDrive& next = drives_[block.stamp.sequence % kDriveMemory];
   const double period = block.stamp.duration();
   DriveCommand& command = output_.command;
@@ -246,15 +258,15 @@ void ControlLoops::command(const DisplacementBlock& block) {
     gains.drive.sustain = {parameters_.drive_limit, 0.0};
   }
 
-  Eigen::Vector2cd total = gains.drive.total();
-  const double largest = total.cwiseAbs().maxCoeff();
+  Eigen::Vector2cd sent = sentFor(gains.drive.total());
+  const double largest = sent.cwiseAbs().maxCoeff();
   if (largest > parameters_.drive_limit) {
     const double scale = parameters_.drive_limit / largest;
     gains.drive.sustain *= scale;
     gains.drive.quadrature *= scale;
     gains.drive.steering *= scale;
     gains.drive.compensation *= scale;
-    total *= scale;
+    sent *= scale;
     saturated = true;
   }
 
@@ -264,13 +276,18 @@ void ControlLoops::command(const DisplacementBlock& block) {
   next.gains = gains;
 
   command.answers_sequence = block.stamp.sequence;
-  command.reference_phase = wrapToPi(block.reference_phase + block.reference_frequency * period);
+  command.reference_phase = wrapToPi(reference.phase + reference.frequency * period);
   command.reference_frequency = frequency_;
-  command.envelope =
-      (std::polar(1.0, frequency_ * parameters_.hold_delay) / parameters_.hold_gain) *
-      (drive_correction_ * total);
+  command.envelope = sent;
   command.table_rate = settings_.table_rate;
   command.end_of_run = settings_.end_of_run;
+}
+
+/// What has to be sent for the ring to feel `total`: turned by the inverse of the drive's path,
+/// with the delay and gain of its hold made up for.
+Eigen::Vector2cd ControlLoops::sentFor(const Eigen::Vector2cd& total) const {
+  return (std::polar(1.0, frequency_ * parameters_.hold_delay) / parameters_.hold_gain) *
+         (drive_correction_ * total);
 }
 
 }  // namespace ring_gyro

@@ -14,13 +14,15 @@ LoopGains loopGains(double bandwidth, double damping, double decay) {
 LoopFilter::LoopFilter(LoopGains gains, double period, double lowest, double highest)
     : gains_(gains), period_(period), lowest_(lowest), highest_(highest) {}
 
-double LoopFilter::update(double error) {
+double LoopFilter::update(double error, double beside) {
+  const double lowest = lowest_ - beside;
+  const double highest = highest_ - beside;
   const double integral = integral_ + gains_.integral * period_ * error;
   const double wanted = gains_.proportional * error + integral;
-  const double output = std::min(std::max(wanted, lowest_), highest_);
+  const double output = std::min(std::max(wanted, lowest), highest);
   saturated_ = output != wanted;
-  const bool pushes_out = (wanted > highest_ && error > 0.0) || (wanted < lowest_ && error < 0.0);
-  if (!pushes_out) integral_ = std::min(std::max(integral, lowest_), highest_);
+  const bool pushes_out = (wanted > highest && error > 0.0) || (wanted < lowest && error < 0.0);
+  if (!pushes_out) integral_ = std::min(std::max(integral, lowest), highest);
   return output;
 }
 

@@ -9,13 +9,6 @@
 #include "ring_gyro/identification/averaged_model.h"
 
 namespace ring_gyro {
-namespace {
-
-// Beyond this a square could overflow later.
-constexpr double kLimit = 1e12;
-
-}  // namespace
-
 BlockChain::BlockChain(std::int64_t block_duration_ns)
     : block_duration_ns_(block_duration_ns),
       block_duration_(1e-9 * static_cast<double>(block_duration_ns)) {
@@ -40,18 +33,23 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
       gains.stamp.session == stamp.session && gains.stamp.sequence == stamp.sequence &&
       stamp.end_ns > 0 && stamp.duration_ns == block_duration_ns_ && elements.status.usable() &&
       gains.status.usable() && std::abs(orbit.b) < orbit.a && gains.reference_frequency > 0.0 &&
-      magnitudes[0] + magnitudes[1] < kLimit;  // false for NaN
+      magnitudes[0] + magnitudes[1] < kLargestBlock;  // false for NaN
   if (!usable) {
+    use_ = useOf(elements, gains, magnitudes[0] + magnitudes[1], block_duration_ns_);
     usable_run_ = 0;
     return false;
   }
+  use_ = BlockUse::kUsable;
   const bool follows = usable_run_ > 0 && stamp.session == last_stamp_.session &&
                        stamp.sequence == last_stamp_.sequence + 1 &&
                        stamp.end_ns - last_stamp_.end_ns == block_duration_ns_ &&
                        elements.group_delay == group_delay_;
   if (!follows) {
     usable_run_ = 0;
-    if (!setDelay(elements.group_delay, stamp.duration())) return false;
+    if (!setDelay(elements.group_delay, stamp.duration())) {
+      use_ = elements.group_delay < 0.0 ? BlockUse::kImpossible : BlockUse::kGroupDelay;
+      return false;
+    }
   }
   const std::size_t at = stamp.sequence % kMemory;
   memory_[kMajor][at] = orbit.a;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "ring_gyro/ros/messages.h"
@@ -13,6 +14,18 @@ namespace ring_gyro {
 namespace {
 
 constexpr std::uint32_t kUnlimited = 0;
+// Of messages that wait for those of other topics. A graph of nodelets sends faster than sockets
+// are read, and a socket that never runs empty is read on before the next: topics come in bursts as
+// long as what the plant and the loops let pile up (ReaderWait).
+constexpr std::size_t kMostWaiting = 256u << 20;
+constexpr std::int64_t kLongestWait = 1'000'000'000;  // in real time, where nothing piles up [ns]
+
+StampMerge::Limits limits(const NodeParameters& parameters) {
+  StampMerge::Limits result;
+  result.bytes = kMostWaiting;
+  if (!parameters.lockstep) result.span_ns = kLongestWait;
+  return result;
+}
 
 const std::string& fileName(const NodeParameters& parameters) {
   if (parameters.bag.empty()) {
@@ -28,7 +41,10 @@ BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*priva
     : handle_(std::move(handle)),
       host_(std::move(host)),
       period_blocks_(configuration.loop.periodBlocks()),
+      period_ns_(static_cast<std::int64_t>(period_blocks_ - 1) *
+                 configuration.loop.converter.blockDurationNanoseconds()),
       writer_(fileName(configuration.node)),
+      order_(limits(configuration.node)),
       departure_(handle_, configuration.node, host_, {}, [this] { finish(); }) {
   const auto sequence = [](const auto& message) { return message.sequence; };
   // No estimate, decision or command of a calibration covers the blocks after the last whole
@@ -38,26 +54,27 @@ BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*priva
   record<ring_gyro_msgs::ControlGains>(topics::kControlGains, sequence);
   record<ring_gyro_msgs::ParameterEstimate>(
       topics::kParameterEstimate,
-      [after](const auto& message) { return after(message.last_sequence); });
+      [after](const auto& message) { return after(message.last_sequence); }, Sent::kEachPeriod);
   record<ring_gyro_msgs::CompensationGains>(
       topics::kCompensationGains,
-      [after](const auto& message) { return after(message.data_sequence); });
+      [after](const auto& message) { return after(message.data_sequence); }, Sent::kEachPeriod);
   record<ring_gyro_msgs::CalibrationCommand>(
       topics::kCalibrationCommand,
-      [after](const auto& message) { return after(message.data_sequence); });
+      [after](const auto& message) { return after(message.data_sequence); }, Sent::kEachPeriod);
   if (configuration.node.record_raw) {
     record<ring_gyro_msgs::DisplacementBlock>(topics::kDisplacement, sequence);
     record<ring_gyro_msgs::DriveCommand>(
         topics::kDriveCommand, [](const auto& message) { return message.answers_sequence; });
   }
-  record<ring_gyro_msgs::EndOfRun>(topics::kEndOfRun,
-                                   [](const auto& message) { return message.last_sequence; });
+  record<ring_gyro_msgs::EndOfRun>(
+      topics::kEndOfRun, [](const auto& message) { return message.last_sequence; }, Sent::kOnce);
   // Last: the plant waits for a listener to the truth, and by then there is one to all the rest.
   record<ring_gyro_msgs::PlantTruth>(topics::kPlantTruth, sequence);
 }
 
 BagRecorderNode::~BagRecorderNode() {
   // Stopped before the end of the run: what has come so far is a whole bag too.
+  if (!finished_) ROS_WARN("%s: the run was cut: stopped before its end", writer_.path().c_str());
   try {
     finish();
   } catch (const std::exception& error) {
@@ -66,14 +83,32 @@ BagRecorderNode::~BagRecorderNode() {
 }
 
 template <typename Message, typename BlockOf>
-void BagRecorderNode::record(const char* name, BlockOf blockOf) {
+void BagRecorderNode::record(const char* name, BlockOf blockOf, Sent sent) {
   topics_.emplace_back();
   Topic& topic = topics_.back();
-  const std::string written_name = name;
+  topic.name = name;
+  const std::size_t number =
+      order_.addTopic({sent != Sent::kOnce, sent == Sent::kEachPeriod ? period_ns_ : 0,
+                       [&topic] { return topic.subscriber.getNumPublishers() > 0; }});
   topic.subscriber = handle_.subscribe<Message>(
       name, kUnlimited,
-      [this, &topic, written_name, blockOf](const boost::shared_ptr<const Message>& message) {
-        writer_.write(written_name, *message);
+      [this, &topic, number, blockOf](const boost::shared_ptr<const Message>& message) {
+        if (finished_) return;
+        try {
+          order_.add(number, message->session,
+                     static_cast<std::int64_t>(message->header.stamp.toNSec()),
+                     ros::serialization::serializationLength(*message),
+                     [this, &topic, message] { writer_.write(topic.name, *message); });
+        } catch (const std::exception& error) {
+          finished_ = true;
+          host_.fail(error.what());
+          return;
+        }
+        // The end of a run counts when it is of the run that is being recorded.
+        if constexpr (std::is_same_v<Message, ring_gyro_msgs::OrbitalElements> ||
+                      std::is_same_v<Message, ring_gyro_msgs::PlantTruth>) {
+          departure_.inSession(message->session);
+        }
         topic.complete_up_to = blockOf(*message);
         topic.any = true;
         reportProcessed();
@@ -96,9 +131,16 @@ void BagRecorderNode::finish() {
   if (finished_) return;
   finished_ = true;
   for (Topic& topic : topics_) topic.subscriber.shutdown();
+  order_.flush();
   writer_.finish();
   ROS_INFO("%lu messages in %s", static_cast<unsigned long>(writer_.messages()),
            writer_.path().c_str());
+  if (order_.late() > 0) {
+    ROS_WARN(
+        "%lu of them are out of order: their topics came too late to be waited for; rosbag play "
+        "will be slow with them, the tools of this package will not",
+        static_cast<unsigned long>(order_.late()));
+  }
 }
 
 }  // namespace ring_gyro

@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include <exception>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -10,12 +11,11 @@
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
 
 namespace ring_gyro {
 namespace {
-
-constexpr std::uint32_t kUnlimited = 0;
 
 const NodeConfiguration& checked(const NodeConfiguration& configuration) {
   std::vector<std::string> faults;
@@ -51,6 +51,7 @@ CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private
       merge_([this](const OrbitalElements& elements, const ControlGains& gains) {
         process(elements, gains);
       }),
+      block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
       file_(parameters_.calibration_file),
       output_(Output::advertise<ring_gyro_msgs::CalibrationCommand>(
           handle_, topics::kCalibrationCommand, true)),
@@ -66,19 +67,26 @@ CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private
 void CalibrationNode::start() {
   const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
   elements_subscriber_ = handle_.subscribe<ring_gyro_msgs::OrbitalElements>(
-      topics::kOrbitalElements, kUnlimited,
+      topics::kOrbitalElements, kInputQueue,
       [this](const ring_gyro_msgs::OrbitalElements::ConstPtr& message) {
-        fromMessage(*message, elements_);
-        merge_.add(elements_);
+        add(topics::kOrbitalElements, *message, elements_);
       },
       ros::VoidConstPtr(), no_delay);
   gains_subscriber_ = handle_.subscribe<ring_gyro_msgs::ControlGains>(
-      topics::kControlGains, kUnlimited,
+      topics::kControlGains, kInputQueue,
       [this](const ring_gyro_msgs::ControlGains::ConstPtr& message) {
-        fromMessage(*message, gains_);
-        merge_.add(gains_);
+        add(topics::kControlGains, *message, gains_);
       },
       ros::VoidConstPtr(), no_delay);
+}
+
+template <typename Message, typename Signal>
+void CalibrationNode::add(const char* topic, const Message& message, Signal& signal) {
+  if (const MessageFault fault = readChecked(message, signal)) {
+    refusals_.add(topic, message.sequence, fault);
+  }
+  departure_.inSession(last_ ? last_->session : message.session);
+  merge_.add(signal);
 }
 
 void CalibrationNode::process(const OrbitalElements& elements, const ControlGains& gains) {
@@ -87,6 +95,9 @@ void CalibrationNode::process(const OrbitalElements& elements, const ControlGain
     return;
   }
   last_ = elements.stamp;
+  const BlockUse use = useOf(elements, gains, block_duration_ns_);
+  if (use == BlockUse::kUsable) ++usable_;
+  unusable_.add(use);
   if (const std::optional<CalibrationCommand> command = procedure_.process(elements, gains)) {
     if (!command_ || command->leg != command_->leg) {
       ROS_INFO("%s, %.0f s left", command->leg.c_str(), command->time_left);
@@ -153,13 +164,16 @@ void CalibrationNode::finish() {
   }
 }
 
-void CalibrationNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+void CalibrationNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const PairMerge::Counts& counts = merge_.counts();
   const std::uint64_t lost = merge_.elementsCounts().lost + merge_.gainsCounts().lost +
                              counts.elements_alone + counts.gains_alone;
+  const std::string none_used = use_.noneSinceLast(usable_, unusable_);
   if (!failure_.empty()) {
     status.summary(DiagnosticStatus::ERROR, failure_);
+  } else if (!none_used.empty()) {
+    status.summary(DiagnosticStatus::WARN, none_used);
   } else if (!command_) {
     status.summary(DiagnosticStatus::OK, "waiting for orbital elements and control gains");
   } else if (lost > 0) {
@@ -169,6 +183,11 @@ void CalibrationNode::report(diagnostic_updater::DiagnosticStatusWrapper& status
   }
   status.add("blocks", counts.pairs);
   status.add("lost blocks", lost);
+  status.add("blocks that wait for the other topic", merge_.waiting());
+  status.add("partner silent for too long", counts.overdue);
+  status.add("ends of other sessions", departure_.foreign());
+  UseWatch::addTo(status, usable_, unusable_);
+  refusals_.addTo(status);
   if (!command_) return;
   status.add("time left [s]", command_->time_left);
   status.add("steering [rad/s]", command_->settings.virtual_rate);

@@ -2,18 +2,15 @@
 
 #include <ros/console.h>
 
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
 
 namespace ring_gyro {
-namespace {
-
-constexpr std::uint32_t kUnlimited = 0;
-
-}  // namespace
 
 CompensationInjectorNode::CompensationInjectorNode(ros::NodeHandle handle,
                                                    ros::NodeHandle private_handle,
@@ -21,6 +18,7 @@ CompensationInjectorNode::CompensationInjectorNode(ros::NodeHandle handle,
                                                    NodeHost host)
     : handle_(std::move(handle)),
       period_blocks_(configuration.loop.periodBlocks()),
+      block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
       injector_(configuration.loop.compensation, static_cast<std::int64_t>(period_blocks_)),
       gains_(Output::advertise<ring_gyro_msgs::CompensationGains>(
           handle_, topics::kCompensationGains, true)),
@@ -39,13 +37,31 @@ CompensationInjectorNode::CompensationInjectorNode(ros::NodeHandle handle,
 
 void CompensationInjectorNode::start() {
   estimate_subscriber_ = handle_.subscribe<ring_gyro_msgs::ParameterEstimate>(
-      topics::kParameterEstimate, kUnlimited,
+      topics::kParameterEstimate, kInputQueue,
       [this](const ring_gyro_msgs::ParameterEstimate::ConstPtr& message) { onEstimate(*message); },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
 }
 
 void CompensationInjectorNode::onEstimate(const ring_gyro_msgs::ParameterEstimate& message) {
   fromMessage(message, estimate_);
+  const StampOrder order = guard_.check(estimate_.stamp);
+  if (!isUsable(order)) {
+    refusals_.add(topics::kParameterEstimate,
+                  order == StampOrder::kZero        ? "with a stamp of zero"
+                  : order == StampOrder::kDuplicate ? "that came twice"
+                                                    : "of a session that was left",
+                  "block " + std::to_string(message.last_sequence) + " of session " +
+                      std::to_string(message.session) + "; is there one identifier only?");
+    return;
+  }
+  departure_.inSession(message.session);
+  if (const MessageFault fault = faultOf(message)) {
+    refusals_.add(topics::kParameterEstimate, message.last_sequence, fault);
+    const BlockStamp stamp = estimate_.stamp;
+    estimate_ = ParameterEstimate();
+    estimate_.stamp = stamp;
+    estimate_.stamp.duration_ns = block_duration_ns_;
+  }
   decision_ = injector_.decide(estimate_);
   ++decisions_;
   const auto gains = boost::make_shared<ring_gyro_msgs::CompensationGains>();
@@ -96,15 +112,20 @@ void CompensationInjectorNode::report(diagnostic_updater::DiagnosticStatusWrappe
   using diagnostic_msgs::DiagnosticStatus;
   if (!decision_) {
     status.summary(DiagnosticStatus::OK, "waiting for estimates");
+    refusals_.addTo(status);
     return;
   }
   const bool limited = decision_->state == InjectorState::kLimited;
-  status.summary(limited ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
-                 toString(decision_->state));
+  const bool refused = refusals_.total() > 0;
+  status.summary(
+      limited || refused ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
+      std::string(toString(decision_->state)) + (refused ? ", estimates have been refused" : ""));
   status.add("decisions", decisions_);
   status.add("effective sequence", decision_->effective_sequence);
   status.add("gamma 1 cancelled", decision_->gamma1);
   status.add("gamma 2 cancelled", decision_->gamma2);
+  status.add("ends of other sessions", departure_.foreign());
+  refusals_.addTo(status);
 }
 
 }  // namespace ring_gyro

@@ -7,19 +7,20 @@
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
 
 namespace ring_gyro {
 namespace {
 
 constexpr double kTick = 0.1;  // of the watch, wall time [s]
-constexpr std::uint32_t kUnlimited = 0;
 
 template <typename Counts>
 void addDecisions(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& what,
                   const Counts& counts) {
   status.add("late " + what, counts.late);
   status.add(what + " of another session", counts.foreign);
+  status.add(what + " too far ahead", counts.early);
 }
 
 }  // namespace
@@ -37,6 +38,7 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
              configuration.loop.converter, configuration.loop.calibration),
       compensation_decisions_(period_blocks_),
       calibration_commands_(period_blocks_),
+      block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
       burst_blocks_(parameters_.lockstep ? static_cast<std::uint64_t>(parameters_.burst_blocks)
                                          : 1),
       command_(Output::advertise<ring_gyro_msgs::DriveCommand>(handle_, topics::kDriveCommand)),
@@ -44,6 +46,7 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
           Output::advertise<ring_gyro_msgs::OrbitalElements>(handle_, topics::kOrbitalElements)),
       gains_(Output::advertise<ring_gyro_msgs::ControlGains>(handle_, topics::kControlGains)),
       imu_(Output::advertise<sensor_msgs::Imu>(handle_, topics::kImu)),
+      reader_wait_(handle_, parameters_, {elements_, gains_, imu_}, [this] { processWaiting(); }),
       departure_(handle_, parameters_, host_, {elements_, gains_}, [this] { leave(); }),
       diagnostics_(handle_, private_handle, private_handle.getNamespace(),
                    [this](auto& status) { report(status); }) {
@@ -58,7 +61,8 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
   const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
   gate_ = std::make_unique<StartGate>(
       handle_,
-      std::vector<StartGate::Requirement>{{command_, 1}, {elements_, required}, {gains_, required}},
+      std::vector<StartGate::Requirement>{
+          {command_, parameters_.blockListeners()}, {elements_, required}, {gains_, required}},
       [this] { start(); });
 }
 
@@ -66,8 +70,12 @@ template <typename Message, typename Decision>
 ros::Subscriber ControlLoopsNode::subscribeDecisions(const char* topic,
                                                      DecisionQueue<Decision>& decisions) {
   return handle_.subscribe<Message>(
-      topic, kUnlimited,
-      [this, &decisions](const boost::shared_ptr<const Message>& message) {
+      topic, kInputQueue,
+      [this, topic, &decisions](const boost::shared_ptr<const Message>& message) {
+        if (const MessageFault fault = faultOf(*message)) {
+          refusals_.add(topic, message->data_sequence, fault);
+          return;
+        }
         Decision decision;
         fromMessage(*message, decision);
         decisions.add(std::move(decision));
@@ -78,7 +86,7 @@ ros::Subscriber ControlLoopsNode::subscribeDecisions(const char* topic,
 
 void ControlLoopsNode::start() {
   displacement_subscriber_ = handle_.subscribe<BlockMessage>(
-      topics::kDisplacement, kUnlimited,
+      topics::kDisplacement, kInputQueue,
       [this](const BlockMessage::ConstPtr& message) { onDisplacement(message); },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   watch_timer_ = handle_.createWallTimer(ros::WallDuration(kTick),
@@ -86,12 +94,59 @@ void ControlLoopsNode::start() {
 }
 
 void ControlLoopsNode::onDisplacement(const BlockMessage::ConstPtr& message) {
-  if (mustWaitForDecision(*message)) {
+  // First of all: what comes twice neither waits for a decision nor takes the place of what waits.
+  if (!isNew(*message)) return;
+  departure_.inSession(message->session);
+  if (waiting_ != nullptr) {
+    refusals_.add(topics::kDisplacement, "overtaken by a later block",
+                  "block " + std::to_string(waiting_->sequence) + ": block " +
+                      std::to_string(message->sequence) + " came while it waited");
+    waiting_.reset();
+  }
+  if (mustWait(*message)) {
     waiting_ = message;
     silent_ticks_ = 0;
     return;
   }
   process(*message);
+}
+
+/// Whether the block is to be answered at all, by its stamp.
+bool ControlLoopsNode::isNew(const BlockMessage& message) {
+  const BlockStamp stamp{message.session, message.sequence,
+                         nanosecondsFromTime(message.header.stamp),
+                         static_cast<std::int64_t>(message.duration)};
+  const auto refuse = [&](const char* reason, const std::string& particulars) {
+    refusals_.add(topics::kDisplacement, reason,
+                  "block " + std::to_string(message.sequence) + " of session " +
+                      std::to_string(message.session) + ": " + particulars);
+    return false;
+  };
+  const StampOrder order = guard_.order(stamp);
+  if (order == StampOrder::kStepBack && parameters_.lockstep) {
+    // The plant goes on with the answer that it has.
+    return refuse("of a block that was answered", "a later one has come before");
+  }
+  if (order == StampOrder::kNewSession && message.sequence > 0 &&
+      message.session != unconfirmed_session_) {
+    unconfirmed_session_ = message.session;
+    return refuse("of another session",
+                  "neither the first block of a run nor one that follows "
+                  "another of its session");
+  }
+  guard_.check(stamp);
+  if (order == StampOrder::kZero) {
+    return refuse("with a stamp of zero", "have its publisher send the end of the block");
+  }
+  if (order == StampOrder::kLeftSession) {
+    return refuse("of a session that was left", "stop the plant of the other run");
+  }
+  if (isUsable(order)) unconfirmed_session_.reset();
+  return isUsable(order);
+}
+
+bool ControlLoopsNode::mustWait(const BlockMessage& message) {
+  return mustWaitForDecision(message) || reader_wait_.mustHold();
 }
 
 bool ControlLoopsNode::mustWaitForDecision(const BlockMessage& message) const {
@@ -102,7 +157,7 @@ bool ControlLoopsNode::mustWaitForDecision(const BlockMessage& message) const {
 }
 
 void ControlLoopsNode::processWaiting() {
-  if (waiting_ == nullptr || mustWaitForDecision(*waiting_)) return;
+  if (waiting_ == nullptr || mustWait(*waiting_)) return;
   const BlockMessage::ConstPtr message = std::move(waiting_);
   waiting_.reset();
   process(*message);
@@ -120,8 +175,7 @@ void ControlLoopsNode::applyDecisions() {
 }
 
 void ControlLoopsNode::process(const BlockMessage& message) {
-  fromMessage(message, block_);
-  if (!isUsable(guard_.check(block_.stamp))) return;
+  read(message);
   applyDecisions();
   const LoopOutput& output = loops_.process(block_);
   if (!output.command.envelope.allFinite()) {
@@ -129,12 +183,37 @@ void ControlLoopsNode::process(const BlockMessage& message) {
                " is not finite");
     return;
   }
+  last_command_ = output.command;
+  last_answered_ = block_.stamp;
   publish(output);
   status_ = output.elements.status;
   amplitude_ = output.elements.orbit.a;
   theta_rate_ = output.elements.theta_rate;
   if (status_.invalid_samples) ++invalid_blocks_;
   departure_.processed(block_.stamp.sequence);
+}
+
+/// With numbers that cannot be, what the loops know themselves of the block stands in their place,
+/// and no samples.
+void ControlLoopsNode::read(const BlockMessage& message) {
+  fromMessage(message, block_);
+  const MessageFault fault = faultOf(message);
+  if (!fault) return;
+  refusals_.add(topics::kDisplacement, message.sequence, fault);
+  block_.x.clear();
+  block_.y.clear();
+  block_.saturated_samples = 0;
+  block_.stamp.duration_ns = block_duration_ns_;
+  const bool follows = last_answered_.duration_ns > 0 &&
+                       last_answered_.session == block_.stamp.session &&
+                       last_answered_.sequence < block_.stamp.sequence;
+  const std::uint64_t blocks_since =
+      follows ? block_.stamp.sequence - last_answered_.sequence - 1 : 0;
+  block_.reference_frequency = last_command_.reference_frequency;
+  block_.reference_phase =
+      wrapToPi(last_command_.reference_phase + last_command_.reference_frequency *
+                                                   static_cast<double>(blocks_since) *
+                                                   block_.stamp.duration());
 }
 
 void ControlLoopsNode::publish(const LoopOutput& output) {
@@ -169,7 +248,7 @@ void ControlLoopsNode::sendBurst() {
 }
 
 void ControlLoopsNode::watchSilence() {
-  if (waiting_ == nullptr) return;
+  if (waiting_ == nullptr || !mustWaitForDecision(*waiting_)) return;
   if (++silent_ticks_ * kTick < parameters_.lockstep_timeout) return;
   silent_ticks_ = 0;
   const std::uint64_t acts_in = waiting_->sequence + 1;
@@ -191,6 +270,7 @@ void ControlLoopsNode::leave() {
   displacement_subscriber_.shutdown();
   decision_subscriber_.shutdown();
   watch_timer_.stop();
+  reader_wait_.stop();
   ROS_INFO("last block %lu: a %.4f V, pattern at %.4f deg/s, %s",
            static_cast<unsigned long>(block_.stamp.sequence), amplitude_, toDegrees(theta_rate_),
            status_.locked() ? "locked" : "not locked");
@@ -203,6 +283,8 @@ void ControlLoopsNode::report(diagnostic_updater::DiagnosticStatusWrapper& statu
     status.summary(DiagnosticStatus::OK, "waiting for displacement blocks");
   } else if (!status_.locked()) {
     status.summary(DiagnosticStatus::WARN, "not locked");
+  } else if (refusals_.total() > 0) {
+    status.summary(DiagnosticStatus::WARN, "locked, messages have been refused");
   } else if (status_.converter_saturated || status_.drive_saturated) {
     status.summary(DiagnosticStatus::WARN, "saturated");
   } else {
@@ -220,6 +302,11 @@ void ControlLoopsNode::report(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.add("steps back", counts.steps_back);
   status.add("blocks with zero stamp", counts.zero_stamps);
   status.add("new sessions", counts.new_sessions);
+  status.add("blocks of a session that was left", counts.left_sessions);
+  status.add("blocks that slow readers lost",
+             elements_.overflows() + gains_.overflows() + imu_.overflows());
+  status.add("ends of other sessions", departure_.foreign());
+  refusals_.addTo(status);
   if (compensation_)
     addDecisions(status, "compensation decisions", compensation_decisions_.counts());
   if (calibration_run_)

@@ -34,10 +34,52 @@ Departure::Departure(ros::NodeHandle& handle, const NodeParameters& parameters, 
 
 void Departure::onEndOfRun(const ring_gyro_msgs::EndOfRun& message) {
   if (leaving_) return;
+  if (!in_session_) {
+    early_ = message;
+    ROS_INFO("session %u ended with block %lu before any of its data came: waiting for data",
+             message.session, static_cast<unsigned long>(message.last_sequence));
+  } else if (message.session == session_) {
+    announce(message);
+  } else {
+    leaveOut(message);
+  }
+}
+
+void Departure::enterSession(std::uint32_t session) {
+  in_session_ = true;
+  session_ = session;
+  any_processed_ = false;
+  last_processed_ = processed_at_tick_ = 0;
+  if (announced_ && !leaving_) {
+    ROS_WARN("session %u began before all of the one that had ended came: going on with it",
+             session);
+    timer_.stop();
+  }
+  announced_ = false;
+  if (!early_) return;
+  const ring_gyro_msgs::EndOfRun early = *early_;
+  early_.reset();
+  if (early.session == session) {
+    announce(early);
+  } else {
+    leaveOut(early);
+  }
+}
+
+void Departure::announce(const ring_gyro_msgs::EndOfRun& message) {
   announced_ = true;
   last_sequence_ = message.last_sequence;
+  idle_ticks_ = 0;
   timer_.start();
   leaveIfDone();
+}
+
+void Departure::leaveOut(const ring_gyro_msgs::EndOfRun& message) {
+  ++foreign_;
+  ROS_WARN(
+      "refused %s: session %u has ended, the data that come are of session %u; stop the "
+      "plant of the other run",
+      topics::kEndOfRun, message.session, session_);
 }
 
 void Departure::leaveIfDone() {

@@ -8,16 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/topics.h"
 
 namespace ring_gyro {
-namespace {
-
-constexpr std::uint32_t kUnlimited = 0;
-
-}  // namespace
 
 EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                                      const NodeConfiguration& configuration, NodeHost host)
@@ -25,6 +19,7 @@ EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle pri
       host_(std::move(host)),
       configuration_(configuration.loop),
       parameters_(configuration.node),
+      report_file_(parameters_.report),
       identifier_(configuration.loop,
                   [this](const ParameterEstimate& estimate, const StateMatrix& covariance) {
                     take(estimate, covariance);
@@ -50,17 +45,15 @@ EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle pri
 void EkfIdentifierNode::start() {
   const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
   elements_subscriber_ = handle_.subscribe<ring_gyro_msgs::OrbitalElements>(
-      topics::kOrbitalElements, kUnlimited,
+      topics::kOrbitalElements, kInputQueue,
       [this](const ring_gyro_msgs::OrbitalElements::ConstPtr& message) {
-        identifier_.add(*message);
-        processed();
+        add(topics::kOrbitalElements, *message);
       },
       ros::VoidConstPtr(), no_delay);
   gains_subscriber_ = handle_.subscribe<ring_gyro_msgs::ControlGains>(
-      topics::kControlGains, kUnlimited,
+      topics::kControlGains, kInputQueue,
       [this](const ring_gyro_msgs::ControlGains::ConstPtr& message) {
-        identifier_.add(*message);
-        processed();
+        add(topics::kControlGains, *message);
       },
       ros::VoidConstPtr(), no_delay);
 }
@@ -76,8 +69,17 @@ void EkfIdentifierNode::take(const ParameterEstimate& estimate, const StateMatri
   estimate_output_.publish(message);
 }
 
-void EkfIdentifierNode::processed() {
-  departure_.processed(identifier_.lastSequence());
+template <typename Message>
+void EkfIdentifierNode::add(const char* topic, const Message& message) {
+  if (const MessageFault fault = identifier_.add(message)) {
+    refusals_.add(topic, message.sequence, fault);
+  }
+  if (const BlockStamp* const last = identifier_.last()) {
+    departure_.inSession(last->session);
+    departure_.processed(last->sequence);
+  } else {
+    departure_.inSession(message.session);
+  }
   if (replay_end_) replay_end_->received();
 }
 
@@ -95,15 +97,14 @@ void EkfIdentifierNode::leave() {
     ROS_WARN("%s", fault.c_str());
   }
   ROS_INFO("identification\n%s", identificationText(result, configuration_).c_str());
-  if (parameters_.report.empty()) return;
   try {
-    writeWholeFile(parameters_.report, identificationJson({result}, configuration_));
+    report_file_.finish(identificationJson({result}, configuration_));
   } catch (const std::exception& error) {
     host_.fail(error.what());
   }
 }
 
-void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const IdentificationReport now = identifier_.report();
   const PairMerge::Counts& counts = now.pairs;
@@ -111,8 +112,17 @@ void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& stat
   const TimeGuard::Counts& gains = now.gains;
   const std::uint64_t lost =
       elements.lost + gains.lost + counts.elements_alone + counts.gains_alone;
-  if (counts.pairs == 0) {
+  const std::string none_used = use_.noneSinceLast(now.usable, now.unusable);
+  const std::string misfit = misfitOf(now);
+  if (counts.overdue > 0 && counts.pairs == 0) {
+    status.summary(DiagnosticStatus::WARN,
+                   "one of orbital elements and control gains is silent, the other has come");
+  } else if (counts.pairs == 0) {
     status.summary(DiagnosticStatus::OK, "waiting for orbital elements and control gains");
+  } else if (!none_used.empty()) {
+    status.summary(DiagnosticStatus::WARN, none_used);
+  } else if (!misfit.empty()) {
+    status.summary(DiagnosticStatus::WARN, misfit);
   } else if (lost > 0) {
     status.summary(DiagnosticStatus::WARN, "identifying, blocks have been lost");
   } else {
@@ -128,6 +138,12 @@ void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& stat
   status.add("zero stamps", elements.zero_stamps + gains.zero_stamps);
   status.add("new sessions", elements.new_sessions);
   status.add("restarts of the filter", now.filter_restarts);
+  status.add("blocks that wait for the other topic", identifier_.waiting());
+  status.add("partner silent for too long", counts.overdue);
+  status.add("blocks of a session that was left", elements.left_sessions + gains.left_sessions);
+  status.add("ends of other sessions", departure_.foreign());
+  UseWatch::addTo(status, now.usable, now.unusable);
+  refusals_.addTo(status);
   if (!now.estimate) return;
   status.add("used blocks", now.estimate->used_blocks);
   status.add("rejected blocks", now.estimate->rejected_blocks);

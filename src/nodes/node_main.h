@@ -3,11 +3,14 @@
 #include <ros/console.h>
 #include <ros/init.h>
 #include <ros/node_handle.h>
+#include <ros/topic_manager.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <sstream>
 #include <string>
+#include <thread>
 
 #include "ring_gyro/nodes/network_thread_spinner.h"
 #include "ring_gyro/nodes/node_host.h"
@@ -21,9 +24,21 @@ inline void logFatalLines(const std::string& text) {
   for (std::string line; std::getline(lines, line);) ROS_FATAL_STREAM(line);
 }
 
-/// A node as a process of its own: main() of every executable. Returns its exit code.
+/// Stays until the plant, which alone gives /clock, has gone, `timeout` seconds of wall time at the
+/// most: it ends last, and a launch file may take any node that ends before it for one that died.
+inline void outlastPlant(double timeout) {
+  constexpr std::chrono::milliseconds kLook(20);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout);
+  while (ros::ok() && ros::TopicManager::instance()->getNumPublishers("/clock") > 0 &&
+         std::chrono::steady_clock::now() < give_up) {
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+/// A node as a process of its own: main() of every executable. `ends_last`: the plant, for which
+/// the others wait when they have done all they had to do. Returns its exit code.
 template <typename Node>
-int runNode(int argc, char** argv, const char* name) {
+int runNode(int argc, char** argv, const char* name, bool ends_last = false) {
   int exit_code = EXIT_SUCCESS;
   try {
     ros::init(argc, argv, name);
@@ -40,8 +55,14 @@ int runNode(int argc, char** argv, const char* name) {
       exit_code = EXIT_FAILURE;
       spinner.stop();
     };
-    Node node(handle, private_handle, readNodeConfiguration(private_handle), host);
+    const NodeConfiguration configuration = readNodeConfiguration(private_handle);
+    Node node(handle, private_handle, configuration, host);
     spinner.run();
+    // A player gives /clock too, but it waits for the node.
+    const bool live = configuration.node.replay.empty();
+    if (live && !ends_last && exit_code == EXIT_SUCCESS) {
+      outlastPlant(configuration.node.exit_timeout);
+    }
   } catch (const std::exception& error) {
     logFatalLines(error.what());
     exit_code = EXIT_FAILURE;

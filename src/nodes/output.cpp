@@ -11,6 +11,10 @@ void Output::remove(Names& names, const std::string& name) {
   if (found != names.end()) names.erase(found);
 }
 
+bool Output::hasListener(const std::string& node) const {
+  return std::find(names_->begin(), names_->end(), node) != names_->end();
+}
+
 std::string Output::listeners() const {
   std::string text;
   for (const std::string& name : *names_) text += (text.empty() ? "" : ", ") + name;

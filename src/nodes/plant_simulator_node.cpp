@@ -1,15 +1,19 @@
 #include "ring_gyro/nodes/plant_simulator_node.h"
 
 #include <ros/console.h>
+#include <ros/names.h>
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <numeric>
+#include <sstream>
 #include <string>
 #include <utility>
 
+#include "ring_gyro/nodes/death.h"
 #include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
 
 namespace ring_gyro {
@@ -17,8 +21,8 @@ namespace {
 
 constexpr double kTick = 0.1;  // of the watch, wall time [s]
 constexpr int kTicksPerProgress = 20;
-constexpr int kFlushTicks = 5;  // for what the sockets still hold at the end
-constexpr std::uint32_t kUnlimited = 0;
+constexpr int kTicksPerLook = 10;  // after nodes that may have died
+constexpr int kFlushTicks = 5;     // for what the sockets still hold at the end
 
 double seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -50,17 +54,24 @@ PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle p
           Output::advertise<ring_gyro_msgs::DisplacementBlock>(handle_, topics::kDisplacement)),
       truth_(Output::advertise<ring_gyro_msgs::PlantTruth>(handle_, topics::kPlantTruth)),
       end_of_run_(Output::advertise<ring_gyro_msgs::EndOfRun>(handle_, topics::kEndOfRun, true)),
+      reader_wait_(handle_, parameters_, {displacement_, truth_}, [this] { goOn(); }),
       clock_(handle_.advertise<rosgraph_msgs::Clock>("/clock", 10)),
       diagnostics_(handle_, private_handle, private_handle.getNamespace(),
                    [this](auto& status) { report(status); }) {
+  // Should this node be started again with the same parameters, others must not take its blocks for
+  // those of this run.
+  private_handle.setParam("run/session",
+                          static_cast<int>(configuration.loop.run.followingSession()));
   drive_subscriber_ = handle_.subscribe<ring_gyro_msgs::DriveCommand>(
-      topics::kDriveCommand, kUnlimited,
+      topics::kDriveCommand, kInputQueue,
       [this](const ring_gyro_msgs::DriveCommand::ConstPtr& message) { onDriveCommand(*message); },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
   gate_ = std::make_unique<StartGate>(
-      handle_, std::vector<StartGate::Requirement>{{displacement_, 1}, {truth_, required}},
-      [this] { start(); });
+      handle_,
+      std::vector<StartGate::Requirement>{{displacement_, parameters_.blockListeners()},
+                                          {truth_, required}},
+      [this] { start(); }, std::vector<ros::Subscriber>{drive_subscriber_});
 }
 
 void PlantSimulatorNode::start() {
@@ -77,34 +88,67 @@ void PlantSimulatorNode::start() {
   publish(plant_.start());
 }
 
+/// Whether the command is for this plant, and for a block that has no answer yet.
+bool PlantSimulatorNode::accepts(const ring_gyro_msgs::DriveCommand& message) {
+  const auto refuse = [&](const char* reason, const std::string& particulars) {
+    refusals_.add(
+        topics::kDriveCommand, reason,
+        "answer to block " + std::to_string(message.answers_sequence) + ": " + particulars);
+    return false;
+  };
+  if (!started_ || ended_) return refuse("outside of the run", "the run is not under way");
+  if (message.session != last_.session) {
+    return refuse("of another session", "of session " + std::to_string(message.session) +
+                                            ", this is session " + std::to_string(last_.session) +
+                                            "; stop the loops of the other run");
+  }
+  const bool answered = any_command_ && message.answers_sequence <= command_.answers_sequence;
+  if (answered || (parameters_.lockstep && message.answers_sequence < last_.sequence)) {
+    return refuse("to a block that was answered", "it was answered before");
+  }
+  if (message.answers_sequence > last_.sequence) {
+    return refuse("to a block that is still to come",
+                  "the last block is " + std::to_string(last_.sequence));
+  }
+  return true;
+}
+
 void PlantSimulatorNode::onDriveCommand(const ring_gyro_msgs::DriveCommand& message) {
-  if (!started_ || ended_ || message.session != last_.session) {
-    ++rejected_;
-    return;
-  }
+  if (!accepts(message)) return;
+  const MessageFault fault = faultOf(message);
+  if (fault) refusals_.add(topics::kDriveCommand, message.answers_sequence, fault);
   if (parameters_.lockstep) {
-    if (message.answers_sequence != last_.sequence) {
-      ++rejected_;
-      return;
-    }
     silent_ticks_ = 0;
-    fromMessage(message, command_);
-    if (lastBlockDone()) {
-      endRun();
+    // An answer all the same: what is wrong in one block need not end a run.
+    coasts_ = static_cast<bool>(fault);
+    if (fault) {
+      command_.answers_sequence = message.answers_sequence;
     } else {
-      step();
+      fromMessage(message, command_);
     }
+    any_command_ = true;
+    if (!reader_wait_.mustHold()) goOn();
     return;
   }
-  if (message.answers_sequence > last_.sequence ||
-      (commanded_ && message.answers_sequence <= command_.answers_sequence)) {
-    ++rejected_;
-    return;
-  }
+  if (fault) return;
   fromMessage(message, command_);
-  commanded_ = true;
+  any_command_ = commanded_ = true;
   // A machine that has fallen behind catches up as fast as the answers come.
   if (behindRealTime() > 0.0) onRealTimeTick();
+}
+
+/// Lockstep: the last block has been answered.
+void PlantSimulatorNode::goOn() {
+  silent_ticks_ = 0;
+  if (ended_) return;
+  if (lastBlockDone()) {
+    endRun();
+  } else if (coasts_) {
+    ++coasted_;
+    publish(plant_.coast());
+  } else {
+    step();
+  }
 }
 
 bool PlantSimulatorNode::lastBlockDone() const {
@@ -205,16 +249,28 @@ void PlantSimulatorNode::watch() {
     return;
   }
   if (parameters_.lockstep) watchSilence();
-  if (++ticks_ % kTicksPerProgress == 0) reportProgress();
+  if (++ticks_ % kTicksPerLook == 0) watchNodes();
+  if (ticks_ % kTicksPerProgress == 0) reportProgress();
 }
 
 void PlantSimulatorNode::watchSilence() {
+  if (reader_wait_.holding()) silent_ticks_ = 0;
   // Counted in ticks rather than read from a clock: a machine that slept has been silent itself.
   if (++silent_ticks_ * kTick < parameters_.lockstep_timeout) return;
   silent_ticks_ = 0;
   host_.fail("no drive command has answered block " + std::to_string(last_.sequence) + " for " +
              std::to_string(parameters_.lockstep_timeout) + " s: silent: " +
              displacement_.listeners() + " (subscribed to " + displacement_.topic() + ")");
+}
+
+void PlantSimulatorNode::watchNodes() {
+  std::istringstream names(parameters_.watched);
+  for (std::string name; names >> name;) {
+    const std::string node = ros::names::resolve(handle_.getNamespace(), name);
+    if (end_of_run_.hasListener(node) || !hasDied(node)) continue;
+    host_.fail(node + " has died: the run is cut after block " + std::to_string(last_.sequence));
+    return;
+  }
 }
 
 void PlantSimulatorNode::reportProgress() {
@@ -259,7 +315,9 @@ void PlantSimulatorNode::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.add("last sequence", last_.sequence);
   status.add("blocks without a new drive command", coasted_);
   status.add("late drive commands", late_);
-  status.add("rejected drive commands", rejected_);
+  status.add("blocks that slow readers lost", displacement_.overflows() + truth_.overflows());
+  status.add("rejected drive commands", refusals_.total());
+  refusals_.addTo(status);
   if (started_ && !ended_ && !parameters_.lockstep) {
     status.add("behind real time [s]", behindRealTime());
   }

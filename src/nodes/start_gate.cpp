@@ -14,8 +14,10 @@ constexpr int kChecksPerMessage = 250;
 }  // namespace
 
 StartGate::StartGate(ros::NodeHandle& handle, std::vector<Requirement> requirements,
-                     std::function<void()> start)
-    : requirements_(std::move(requirements)), start_(std::move(start)) {
+                     std::function<void()> start, std::vector<ros::Subscriber> answers)
+    : requirements_(std::move(requirements)),
+      answers_(std::move(answers)),
+      start_(std::move(start)) {
   timer_ = handle.createWallTimer(ros::WallDuration(kCheckPeriod),
                                   [this](const ros::WallTimerEvent&) { check(); });
 }
@@ -28,11 +30,14 @@ void StartGate::check() {
     missing += " " + requirement.output.topic() + " has " + std::to_string(subscribers) + " of " +
                std::to_string(requirement.subscribers);
   }
+  for (const ros::Subscriber& answer : answers_) {
+    if (answer.getNumPublishers() == 0) missing += " nobody publishes " + answer.getTopic();
+  }
   if (missing.empty()) {
     timer_.stop();
     start_();
   } else if (++checks_ % kChecksPerMessage == 0) {
-    ROS_INFO("waiting for subscribers:%s", missing.c_str());
+    ROS_INFO("waiting for others:%s", missing.c_str());
   }
 }
 

@@ -118,6 +118,13 @@ class PlantSimulator::Implementation {
     commanded_rate_ = rate;
   }
 
+  void setTemperature(double deviation) {
+    if (!std::isfinite(deviation)) {
+      throw std::domain_error("temperature: a commanded deviation is not finite; give it in K");
+    }
+    commanded_temperature_ = deviation;
+  }
+
   PlantTruth truth() const {
     const ResonatorParameters& p = parameters_.resonator;
     PlantTruth truth;
@@ -125,7 +132,7 @@ class PlantSimulator::Implementation {
     truth.envelope = resonator_.analyticDisplacement(forced_, end_turn_) * std::conj(end_turn_);
     truth.rotation_rate = rotation_rate_;
     truth.rotation_angle = rotation_.meanRate(0.0, time()) * time() + commanded_angle_;
-    const double temperature = p.temperature_rate * time();
+    const double temperature = temperatureAt(time());
     truth.natural_frequency =
         p.natural_frequency * (1.0 + p.frequency_temperature_coefficient * temperature);
     truth.quality_factor =
@@ -140,6 +147,10 @@ class PlantSimulator::Implementation {
   }
 
  private:
+  double temperatureAt(double time) const {
+    return parameters_.resonator.temperature_rate * time + commanded_temperature_;
+  }
+
   double time() const { return 1e-9 * static_cast<double>(block_.stamp.end_ns - start_ns_); }
 
   const DisplacementBlock& advance() {
@@ -151,7 +162,7 @@ class PlantSimulator::Implementation {
     const double profile_rate = rotation_.meanRate(begin, begin + duration);
     rotation_rate_ = profile_rate + commanded_rate_;
     commanded_angle_ += commanded_rate_ * duration;
-    resonator_.setConditions(rotation_rate_, parameters_.resonator.temperature_rate * begin);
+    resonator_.setConditions(rotation_rate_, temperatureAt(begin));
 
     block_.drive_answers_sequence = command_.answers_sequence;
     block_.reference_phase = command_.reference_phase;
@@ -270,15 +281,19 @@ class PlantSimulator::Implementation {
     const Eigen::Vector2cd start =
         command_.envelope.cwiseProduct(drive_delay_) * std::polar(1.0, command_.reference_phase);
     const double step = command_.reference_frequency * converter_.samplePeriod();
+    std::size_t clipped = 0;
     for (int axis = 0; axis < 2; ++axis) {
       AlignedVector& volts = axis == 0 ? drive_x_ : drive_y_;
       std::fill(volts.begin(), volts.end(), 0.0);
       addPhasor(start[axis].real(), start[axis].imag(), step, padded_, volts.data());
-      dac_.convert(volts.data(), padded_);
+      // Behind the block nothing is clipped.
+      std::fill(volts.data() + samples_, volts.data() + padded_, 0.0);
+      clipped += dac_.convert(volts.data(), padded_);
       if (p.noise_density > 0.0) {
         noise_.addTo(volts.data(), samples_, p.noise_density * sample_sigma_);
       }
     }
+    block_.clipped_drive_samples = static_cast<std::uint32_t>(clipped);
     const double square = p.bias_voltage > 0.0 ? 0.5 / p.bias_voltage : 0.0;
     if (p.cubic != 0.0 || square != 0.0 || !drive_gain_.isIdentity(0.0)) {
       applyAxisErrors({p.cubic, square, drive_gain_.data()}, padded_, drive_x_.data(),
@@ -370,6 +385,7 @@ class PlantSimulator::Implementation {
   double rotation_rate_ = 0.0;
   double commanded_rate_ = 0.0;
   double commanded_angle_ = 0.0;
+  double commanded_temperature_ = 0.0;
   DisplacementBlock block_;
 };
 
@@ -388,6 +404,9 @@ const DisplacementBlock& PlantSimulator::step(const DriveCommand& command) {
 }
 const DisplacementBlock& PlantSimulator::coast() { return implementation_->coast(); }
 void PlantSimulator::setRotationRate(double rate) { implementation_->setRotationRate(rate); }
+void PlantSimulator::setTemperature(double deviation) {
+  implementation_->setTemperature(deviation);
+}
 PlantTruth PlantSimulator::truth() const { return implementation_->truth(); }
 
 }  // namespace ring_gyro

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/formatted.h"
-#include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/ros/run_ends.h"
 
 namespace ring_gyro {
 namespace {
@@ -46,6 +48,36 @@ struct Span {
   double width() const { return highest - lowest; }
 };
 
+/// Whether each session goes up to the block that its plant announced as the last.
+class EndCheck {
+ public:
+  void add(const BlockStamp& stamp) {
+    BlockStamp& last = last_[stamp.session];
+    if (last.end_ns <= stamp.end_ns) last = stamp;
+  }
+
+  void report(const RunEnds& ends, std::vector<Finding>& findings) const {
+    for (const auto& [session, last] : last_) {
+      const auto end = ends.find(session);
+      const std::string where = formatted("block %llu of session %u at %.6f s",
+                                          static_cast<unsigned long long>(last.sequence),
+                                          static_cast<unsigned>(session), last.end());
+      if (end == ends.end()) {
+        findings.push_back({Severity::kWarning,
+                            "the run was cut after " + where +
+                                ": no end_of_run follows; record that topic too, until the end"});
+      } else if (end->second > last.sequence) {
+        findings.push_back({Severity::kWarning, "the run was cut after " + where +
+                                                    ": its last block is " +
+                                                    std::to_string(end->second)});
+      }
+    }
+  }
+
+ private:
+  std::map<std::uint32_t, BlockStamp> last_;  // by session
+};
+
 /// Stamps of one topic.
 class StampCheck {
  public:
@@ -55,6 +87,7 @@ class StampCheck {
     if (order == StampOrder::kStepBack) back_.add(stamp);
     if (order == StampOrder::kNewSession) sessions_.add(stamp);
     if (order == StampOrder::kDuplicate) duplicates_.add(stamp);
+    if (order == StampOrder::kLeftSession) left_.add(stamp);
     if (order == StampOrder::kZero) {
       zero_.add(stamp);
       return;
@@ -79,6 +112,7 @@ class StampCheck {
                   static_cast<unsigned long long>(guard_.counts().lost)));
     add(Severity::kWarning, duplicates_, "the same block again");
     add(Severity::kWarning, sessions_, "a new session of the plant");
+    add(Severity::kFault, left_, "a session that had been left goes on, two plants at once?");
     add(Severity::kWarning, offset_, "header and bag time differ by more than 1 s");
   }
   std::uint64_t accepted() const { return guard_.counts().accepted; }
@@ -86,7 +120,23 @@ class StampCheck {
  private:
   TimeGuard guard_;
   BlockStamp last_;
-  Tally gaps_, back_, sessions_, duplicates_, zero_, spacing_, offset_;
+  Tally gaps_, back_, sessions_, left_, duplicates_, zero_, spacing_, offset_;
+};
+
+/// Numbers that cannot be, by field and reason.
+class NumberCheck {
+ public:
+  void add(const MessageFault& fault, const BlockStamp& stamp) {
+    if (fault) tallies_[std::string(fault.field) + " " + fault.reason].add(stamp);
+  }
+  void report(const std::string& topic, std::vector<Finding>& findings) const {
+    for (const auto& [what, tally] : tallies_) {
+      findings.push_back({Severity::kFault, topic + ": " + what + " " + tally.at()});
+    }
+  }
+
+ private:
+  std::map<std::string, Tally> tallies_;
 };
 
 /// What pairs of elements and gains say of the motion.
@@ -95,21 +145,12 @@ class MotionCheck {
   void add(const OrbitalElements& elements, const ControlGains& gains) {
     const BlockStamp& stamp = elements.stamp;
     const Orbit& orbit = elements.orbit;
-    if (!std::isfinite(orbit.a + orbit.b + orbit.theta + orbit.phi + elements.group_delay +
-                       gains.reference_frequency + gains.beta + gains.alpha)) {
-      not_finite_.add(stamp);
-      return;
-    }
+    if (elements.status.refused != Refusal::kNone || gains.status.refused != Refusal::kNone) return;
     ++blocks_;
     a_.add(orbit.a);
     if (orbit.a > kLargestAmplitude) too_large_.add(stamp);
     if (std::abs(orbit.phi) > kLargestPhase) phase_.add(stamp);
-    if (stamp.duration_ns <= 0) {
-      no_duration_.add(stamp);
-    } else if (!(elements.group_delay >= 0.0) ||
-               elements.group_delay > kLargestDelayBlocks * stamp.duration()) {
-      delay_.add(stamp);
-    }
+    if (elements.group_delay > kLargestDelayBlocks * stamp.duration()) delay_.add(stamp);
     const bool follows =
         any_ && stamp.session == last_.session && stamp.sequence == last_.sequence + 1;
     if (follows && elements.status.locked() &&
@@ -135,11 +176,9 @@ class MotionCheck {
     const auto tally = [&](const Tally& what, const std::string& text) {
       if (what.count > 0) fault(text + " " + what.at());
     };
-    tally(not_finite_, "numbers that are not finite");
     tally(too_large_, formatted("a above %g V, is it in mV, nm or counts?", kLargestAmplitude));
     tally(phase_, "|phi| above 2 pi, is it in degrees?");
-    tally(no_duration_, "blocks without a duration");
-    tally(delay_, "a group delay that is negative or above 31 blocks");
+    tally(delay_, "a group delay above 31 blocks");
     tally(frequency_, "a reference frequency that is not above zero");
     tally(jumps_,
           "theta jumps by more than 1 rad from block to block, is it wrapped or in degrees?");
@@ -171,7 +210,7 @@ class MotionCheck {
   double beta_sum_ = 0.0;
   bool beta_given_ = false;
   bool driven_ = false;
-  Tally not_finite_, too_large_, phase_, no_duration_, delay_, frequency_, jumps_;
+  Tally too_large_, phase_, delay_, frequency_, jumps_;
 };
 
 }  // namespace
@@ -185,7 +224,10 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   LoopBag bag(path, topics);
   StampCheck elements_stamps;
   StampCheck gains_stamps;
+  NumberCheck elements_numbers;
+  NumberCheck gains_numbers;
   MotionCheck motion;
+  EndCheck end;
   PairMerge merge([&motion](const OrbitalElements& elements, const ControlGains& gains) {
     motion.add(elements, gains);
   });
@@ -193,12 +235,13 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   ControlGains gains;
   bag.read(
       [&](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& time) {
-        fromMessage(message, elements);
+        elements_numbers.add(readChecked(message, elements), elements.stamp);
         elements_stamps.add(elements.stamp, time);
+        end.add(elements.stamp);
         merge.add(elements);
       },
       [&](const ring_gyro_msgs::ControlGains& message, const ros::Time& time) {
-        fromMessage(message, gains);
+        gains_numbers.add(readChecked(message, gains), gains.stamp);
         gains_stamps.add(gains.stamp, time);
         merge.add(gains);
       });
@@ -217,6 +260,8 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   }
   elements_stamps.report(bag.elementsTopic(), result.findings);
   gains_stamps.report(bag.gainsTopic(), result.findings);
+  elements_numbers.report(bag.elementsTopic(), result.findings);
+  gains_numbers.report(bag.gainsTopic(), result.findings);
   const std::uint64_t alone = merge.counts().elements_alone + merge.counts().gains_alone;
   if (merge.counts().pairs == 0) {
     result.findings.push_back({Severity::kFault, "no elements and gains of the same block"});
@@ -226,6 +271,7 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
                                                        "topic"});
   }
   motion.report(result.findings);
+  end.report(runEnds(path), result.findings);
   return result;
 }
 

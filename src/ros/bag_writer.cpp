@@ -1,50 +1,76 @@
 #include "ring_gyro/ros/bag_writer.h"
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <stdexcept>
-#include <utility>
 
-#include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/common/write_fault.h"
 
 namespace ring_gyro {
 
-BagWriter::BagWriter(std::string path) : path_(std::move(path)), active_path_(path_ + ".active") {
-  try {
-    bag_.open(active_path_, rosbag::bagmode::Write);
-  } catch (const rosbag::BagException&) {
-    throw std::runtime_error(writeFault(path_, errno));
-  }
-  bag_.setCompression(rosbag::compression::LZ4);
+BagWriter::BagWriter(const std::string& path)
+    : output_(path, ".active", OutputFile::Access::kSeeking),
+      bag_(std::make_unique<rosbag::Bag>()) {
+  // By its descriptor: nobody can put another file in the place of that name.
+  const std::string file = "/proc/self/fd/" + std::to_string(output_.descriptor());
+  guarded([&] { bag_->open(file, rosbag::bagmode::Write); });
+  bag_->setCompression(rosbag::compression::LZ4);
 }
 
 BagWriter::~BagWriter() {
-  if (finished_) return;
   try {
-    bag_.close();
+    close();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", active_path_.c_str(), error.what());
+    std::fprintf(stderr, "%s\n", error.what());
   }
+  if (messages_ > 0) output_.keep();
+}
+
+void BagWriter::close() {
+  if (!bag_) return;
+  guarded([&] { bag_->close(); });
+  bag_.reset();
 }
 
 void BagWriter::finish() {
-  bag_.close();
-  if (std::rename(active_path_.c_str(), path_.c_str()) != 0) {
-    throw std::runtime_error(active_path_ + ": cannot be renamed to " + path_ + ": " +
-                             std::strerror(errno));
+  if (!fault_.empty()) throw std::runtime_error(fault_);
+  close();
+  try {
+    output_.finish();
+  } catch (const std::exception& error) {
+    fail(error.what());
   }
-  finished_ = true;
 }
 
 void BagWriter::discard() noexcept {
+  output_.discard();
+  messages_ = 0;
   try {
-    bag_.close();
+    close();  // into a file that has no name any more
   } catch (const std::exception&) {
-    // It is deleted anyway.
+    // It is gone anyway.
   }
-  std::remove(active_path_.c_str());
-  finished_ = true;
+}
+
+void BagWriter::require(const std::string& topic, const ros::Time& stamp) {
+  if (!fault_.empty()) throw std::runtime_error(fault_);
+  if (stamp < ros::TIME_MIN) {
+    fail(path() + ": cannot be written: a message on " + topic +
+         " has no stamp; a bag is in the order of stamps");
+  }
+}
+
+void BagWriter::giveUp(int reason, const std::string& what) {
+  // A bag that could not write throws when it is closed too, and its destructor closes: that would
+  // end the program. There is no other way to be rid of one than to let it be.
+  static_cast<void>(bag_.release());
+  fail(reason != 0 ? writeFault(path(), reason) : path() + ": cannot be written: " + what);
+}
+
+void BagWriter::fail(const std::string& fault) {
+  fault_ = fault;
+  if (messages_ > 0 && !output_.temporary().empty()) {
+    fault_ += "; what came before is in " + output_.temporary();
+  }
+  throw std::runtime_error(fault_);
 }
 
 }  // namespace ring_gyro

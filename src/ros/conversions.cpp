@@ -1,5 +1,6 @@
 #include "ring_gyro/ros/conversions.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ring_gyro/common/angle.h"
@@ -33,6 +34,23 @@ void envelopeToMessage(const Eigen::Vector2cd& envelope, ring_gyro_msgs::Envelop
 Eigen::Vector2cd envelopeFromMessage(const ring_gyro_msgs::Envelope& message) {
   return {std::complex<double>(message.x_real, message.x_imag),
           std::complex<double>(message.y_real, message.y_imag)};
+}
+
+bool isZero(const Eigen::Vector2cd& envelope) { return envelope[0] == 0.0 && envelope[1] == 0.0; }
+
+/// A log may know the whole drive and not what it is made of: then the whole stands as one part.
+DriveContributions driveFromMessage(const ring_gyro_msgs::ControlGains& message) {
+  DriveContributions drive;
+  drive.sustain = envelopeFromMessage(message.sustain);
+  drive.quadrature = envelopeFromMessage(message.quadrature);
+  drive.steering = envelopeFromMessage(message.steering);
+  drive.compensation = envelopeFromMessage(message.compensation);
+  if (isZero(drive.sustain) && isZero(drive.quadrature) && isZero(drive.steering) &&
+      isZero(drive.compensation)) {
+    const Eigen::Vector2cd total = envelopeFromMessage(message.drive);
+    if (!isZero(total)) drive.sustain = total;
+  }
+  return drive;
 }
 
 void statusToMessage(const LoopStatus& status, ring_gyro_msgs::LoopStatus& message) {
@@ -128,6 +146,7 @@ void toMessage(const DisplacementBlock& block, ring_gyro_msgs::DisplacementBlock
   message.reference_phase = block.reference_phase;
   message.reference_frequency = block.reference_frequency;
   message.saturated_samples = block.saturated_samples;
+  message.clipped_drive_samples = block.clipped_drive_samples;
   message.x.assign(block.x.begin(), block.x.end());
   message.y.assign(block.y.begin(), block.y.end());
 }
@@ -139,6 +158,7 @@ void fromMessage(const ring_gyro_msgs::DisplacementBlock& message, DisplacementB
   block.reference_phase = message.reference_phase;
   block.reference_frequency = message.reference_frequency;
   block.saturated_samples = message.saturated_samples;
+  block.clipped_drive_samples = message.clipped_drive_samples;
   block.x.assign(message.x.begin(), message.x.end());
   block.y.assign(message.y.begin(), message.y.end());
 }
@@ -213,10 +233,7 @@ void fromMessage(const ring_gyro_msgs::ControlGains& message, ControlGains& gain
   gains.alpha = message.alpha;
   gains.virtual_rate = message.virtual_rate;
   gains.compensation = {message.compensation_gain_1, message.compensation_gain_2};
-  gains.drive.sustain = envelopeFromMessage(message.sustain);
-  gains.drive.quadrature = envelopeFromMessage(message.quadrature);
-  gains.drive.steering = envelopeFromMessage(message.steering);
-  gains.drive.compensation = envelopeFromMessage(message.compensation);
+  gains.drive = driveFromMessage(message);
   gains.status = statusFromMessage(message.status);
 }
 
@@ -367,7 +384,9 @@ void fromMessage(const ring_gyro_msgs::PlantTruth& message, PlantTruth& truth) {
 
 void toMessage(const OrbitalElements& elements, double angular_gain, const std::string& frame,
                sensor_msgs::Imu& message) {
-  message.header.stamp = timeFromNanoseconds(elements.stamp.end_ns);
+  const auto delay_ns = static_cast<std::int64_t>(std::llround(1e9 * elements.group_delay));
+  message.header.stamp =
+      timeFromNanoseconds(std::max<std::int64_t>(0, elements.stamp.end_ns - delay_ns));
   message.header.frame_id = frame;
   const double angle = -elements.angle / angular_gain;
   message.orientation.x = 0.0;

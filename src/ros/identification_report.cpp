@@ -1,7 +1,6 @@
 #include "ring_gyro/ros/identification_report.h"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -29,23 +28,12 @@ constexpr State kStates[] = {{"a", "V"},   {"b", "V"},   {"gamma1", "1"}, {"gamm
 
 std::string number(std::uint64_t value) { return std::to_string(value); }
 
-std::uint64_t unusableTotal(const UnusableBlocks& unusable) {
-  return unusable.not_finite + unusable.no_amplitude + unusable.wrong_duration +
-         unusable.invalid_samples + unusable.saturated + unusable.not_locked;
-}
-
 /// The reasons that occurred: "12 not finite, 3 not locked".
 std::string unusableText(const UnusableBlocks& unusable) {
   std::string text;
-  const std::pair<std::uint64_t, const char*> reasons[] = {
-      {unusable.not_finite, "not finite"},
-      {unusable.no_amplitude, "without amplitude (a not above |b|)"},
-      {unusable.wrong_duration, "of another duration than configured"},
-      {unusable.invalid_samples, "with invalid samples"},
-      {unusable.saturated, "saturated"},
-      {unusable.not_locked, "not locked"}};
-  for (const auto& [count, reason] : reasons) {
-    if (count > 0) text += (text.empty() ? "" : ", ") + number(count) + " " + reason;
+  for (const UnusableReason& reason : reasonsOf(unusable)) {
+    if (reason.blocks == 0) continue;
+    text += (text.empty() ? "" : ", ") + number(reason.blocks) + " " + reason.text;
   }
   return text;
 }
@@ -69,7 +57,7 @@ std::string noPairs(const IdentificationReport& report) {
 
 std::string noneUsable(const IdentificationReport& report, const LoopConfiguration& configuration) {
   const UnusableBlocks& unusable = report.unusable;
-  std::string line = "none of " + number(unusableTotal(unusable)) +
+  std::string line = "none of " + number(unusable.total()) +
                      " blocks can be used: " + unusableText(unusable) + "; ";
   if (unusable.wrong_duration > 0) {
     line += formatted(
@@ -77,8 +65,14 @@ std::string noneUsable(const IdentificationReport& report, const LoopConfigurati
         "converter/block_samples",
         1e-9 * static_cast<double>(report.wrong_duration_ns),
         configuration.converter.blockDuration());
+  } else if (!report.first_refused.empty()) {
+    line += "check what recorded a, b, theta, phi and the drive, first " + report.first_refused;
   } else if (unusable.not_finite > 0 || unusable.no_amplitude > 0) {
     line += "check what recorded a, b, theta, phi and the drive";
+  } else if (unusable.no_frequency > 0) {
+    line += "check what recorded the reference frequency";
+  } else if (unusable.group_delay > 0) {
+    line += "check the group delay, in seconds";
   } else {
     line += "record on until all loops have locked";
   }
@@ -108,28 +102,31 @@ Json settingsJson(const LoopConfiguration& configuration) {
 
 Json countsJson(const IdentificationReport& report) {
   const auto& estimate = report.estimate;
-  const UnusableBlocks& unusable = report.unusable;
-  return {{"used", estimate ? estimate->used_blocks : 0},
-          {"dropped", estimate ? estimate->rejected_blocks : 0},
-          {"gaps", estimate ? estimate->lost_blocks : 0},
-          {"pairs", report.pairs.pairs},
-          {"before_start_sequence", report.before_start},
-          {"elements_without_gains", report.pairs.elements_alone},
-          {"gains_without_elements", report.pairs.gains_alone},
-          {"alone_at_the_ends", report.alone_at_start + report.alone_at_end},
-          {"out_of_order", report.elements.steps_back + report.gains.steps_back},
-          {"duplicates", report.elements.duplicates + report.gains.duplicates},
-          {"zero_stamps", report.elements.zero_stamps + report.gains.zero_stamps},
-          {"new_sessions", report.elements.new_sessions},
-          {"filter_restarts", report.filter_restarts},
-          {"not_delivered", report.not_delivered},
-          {"unusable",
-           {{"not_finite", unusable.not_finite},
-            {"no_amplitude", unusable.no_amplitude},
-            {"wrong_duration", unusable.wrong_duration},
-            {"invalid_samples", unusable.invalid_samples},
-            {"saturated", unusable.saturated},
-            {"not_locked", unusable.not_locked}}}};
+  Json counts = {{"used", estimate ? estimate->used_blocks : 0},
+                 {"dropped", estimate ? estimate->rejected_blocks : 0},
+                 {"gaps", estimate ? estimate->lost_blocks : 0},
+                 {"pairs", report.pairs.pairs},
+                 {"before_start_sequence", report.before_start},
+                 {"elements_without_gains", report.pairs.elements_alone},
+                 {"gains_without_elements", report.pairs.gains_alone},
+                 {"alone_at_the_ends", report.alone_at_start + report.alone_at_end},
+                 {"out_of_order", report.elements.steps_back + report.gains.steps_back},
+                 {"duplicates", report.elements.duplicates + report.gains.duplicates},
+                 {"zero_stamps", report.elements.zero_stamps + report.gains.zero_stamps},
+                 {"new_sessions", report.elements.new_sessions},
+                 {"filter_restarts", report.filter_restarts},
+                 {"not_delivered", report.not_delivered}};
+  // What is rare is there when it occurred.
+  const auto addIfAny = [](Json& to, const char* key, std::uint64_t count) {
+    if (count > 0) to[key] = count;
+  };
+  addIfAny(counts, "partner_overdue", report.pairs.overdue);
+  addIfAny(counts, "left_sessions", report.elements.left_sessions + report.gains.left_sessions);
+  Json& unusable = counts["unusable"] = Json::object();
+  for (const UnusableReason& reason : reasonsOf(report.unusable)) {
+    if (reason.always || reason.blocks > 0) unusable[reason.key] = reason.blocks;
+  }
+  return counts;
 }
 
 Json covarianceJson(const StateMatrix& covariance) {
@@ -174,7 +171,7 @@ Json resultJson(const IdentificationResult& result, const LoopConfiguration& con
   json["failure"] = failure.empty() ? Json(nullptr) : Json(failure);
   json["damage"] = result.damage;
   json["faults"] = faultsOf(report, configuration);
-  json["converged"] = report.estimate && report.estimate->converged;
+  json["converged"] = report.estimate && report.estimate->converged && misfitOf(report).empty();
   json["convergence_time_s"] =
       report.convergence_time ? Json(*report.convergence_time) : Json(nullptr);
   json["data"] = {{"session", report.last.session},
@@ -214,11 +211,77 @@ void addParameters(std::string& text, const ParameterEstimate& estimate) {
 
 }  // namespace
 
-NisBounds nisBounds(std::uint64_t updates) {
-  const double count = static_cast<double>(updates);
-  const boost::math::chi_squared distribution(2.0 * count);
-  return {boost::math::quantile(distribution, 0.025) / count,
-          boost::math::quantile(distribution, 0.975) / count};
+void UnusableBlocks::add(BlockUse use) {
+  switch (use) {
+    case BlockUse::kUsable:
+      return;
+    case BlockUse::kNotFinite:
+      ++not_finite;
+      return;
+    case BlockUse::kOtherBlock:
+    case BlockUse::kImpossible:
+      ++impossible;
+      return;
+    case BlockUse::kContradiction:
+      ++contradiction;
+      return;
+    case BlockUse::kWrongDuration:
+      ++wrong_duration;
+      return;
+    case BlockUse::kNoAmplitude:
+      ++no_amplitude;
+      return;
+    case BlockUse::kInvalidSamples:
+      ++invalid_samples;
+      return;
+    case BlockUse::kSaturated:
+      ++saturated;
+      return;
+    case BlockUse::kNotLocked:
+      ++not_locked;
+      return;
+    case BlockUse::kNoFrequency:
+      ++no_frequency;
+      return;
+    case BlockUse::kGroupDelay:
+      ++group_delay;
+      return;
+  }
+}
+
+UnusableBlocks UnusableBlocks::operator-(const UnusableBlocks& earlier) const {
+  return {not_finite - earlier.not_finite,         no_amplitude - earlier.no_amplitude,
+          wrong_duration - earlier.wrong_duration, invalid_samples - earlier.invalid_samples,
+          saturated - earlier.saturated,           not_locked - earlier.not_locked,
+          impossible - earlier.impossible,         contradiction - earlier.contradiction,
+          no_frequency - earlier.no_frequency,     group_delay - earlier.group_delay};
+}
+
+std::uint64_t UnusableBlocks::total() const {
+  std::uint64_t sum = 0;
+  for (const UnusableReason& reason : reasonsOf(*this)) sum += reason.blocks;
+  return sum;
+}
+
+std::vector<UnusableReason> reasonsOf(const UnusableBlocks& unusable) {
+  return {{"not_finite", "not finite", unusable.not_finite, true},
+          {"no_amplitude", "without amplitude (a not above |b|)", unusable.no_amplitude, true},
+          {"wrong_duration", "of another duration than configured", unusable.wrong_duration, true},
+          {"invalid_samples", "with invalid samples", unusable.invalid_samples, true},
+          {"saturated", "saturated", unusable.saturated, true},
+          {"not_locked", "not locked", unusable.not_locked, true},
+          {"impossible", "with impossible numbers", unusable.impossible, false},
+          {"contradiction", "whose drive contradicts its parts", unusable.contradiction, false},
+          {"no_frequency", "without a reference frequency", unusable.no_frequency, false},
+          {"group_delay", "with too long a group delay", unusable.group_delay, false}};
+}
+
+std::string mainReasonOf(const UnusableBlocks& unusable) {
+  const std::vector<UnusableReason> reasons = reasonsOf(unusable);
+  const auto most = std::max_element(
+      reasons.begin(), reasons.end(),
+      [](const UnusableReason& a, const UnusableReason& b) { return a.blocks < b.blocks; });
+  return most->blocks == 0 ? "" : number(most->blocks) + " " + most->text;
 }
 
 std::string failureOf(const IdentificationReport& report, const LoopConfiguration& configuration) {
@@ -243,9 +306,16 @@ std::string failureOf(const IdentificationReport& report, const LoopConfiguratio
   return "";
 }
 
+std::string misfitOf(const IdentificationReport& report) {
+  return report.updates_converged > 0 ? misfitOf(report.updates_converged, report.nis_sum_converged)
+                                      : misfitOf(report.updates, report.nis_sum);
+}
+
 std::vector<std::string> faultsOf(const IdentificationReport& report,
                                   const LoopConfiguration& configuration) {
   std::vector<std::string> faults;
+  const std::string misfit = misfitOf(report);
+  if (!misfit.empty()) faults.push_back(misfit);
   const auto add = [&faults](std::uint64_t count, const std::string& what) {
     if (count > 0) faults.push_back(number(count) + " " + what);
   };
@@ -263,9 +333,19 @@ std::vector<std::string> faultsOf(const IdentificationReport& report,
       "new sessions of the plant: the filter started afresh at each");
   add(elements.duplicates + gains.duplicates, "duplicate messages, left out");
   add(elements.zero_stamps + gains.zero_stamps, "messages with zero stamps, left out");
+  add(elements.left_sessions + gains.left_sessions,
+      "messages of a session that had been left, left out: two plants at once?");
+  add(report.pairs.overdue,
+      formatted("of those alone because the other topic was silent for %zu blocks",
+                PairMerge::kMostWaiting));
+  if (!report.first_refused.empty()) faults.push_back("refused " + report.first_refused);
   add(report.unusable.not_finite, "blocks with numbers that are not finite, left out");
   add(report.unusable.no_amplitude, "blocks with a not above |b|, left out");
   add(report.unusable.wrong_duration, "blocks of another duration than configured, left out");
+  add(report.unusable.impossible, "blocks with impossible numbers, left out");
+  add(report.unusable.contradiction, "blocks whose drive contradicts its parts, left out");
+  add(report.unusable.no_frequency, "blocks without a reference frequency, left out");
+  add(report.unusable.group_delay, "blocks with too long a group delay, left out");
   if (report.usable > 0) {
     const double frequency = report.frequency_sum / static_cast<double>(report.usable) / kTwoPi;
     const double configured = configuration.device.natural_frequency;
@@ -288,9 +368,14 @@ std::string identificationText(const IdentificationResult& result,
   if (!failure.empty() || !report.estimate) return text + "  not identified\n";
   const ParameterEstimate& estimate = *report.estimate;
   addParameters(text, estimate);
-  text += report.convergence_time
-              ? formatted("  %-12s after %.1f s\n", "converged", *report.convergence_time)
-              : formatted("  %-12s not within the data\n", "converged");
+  if (!misfitOf(report).empty()) {
+    text += formatted("  %-12s no: the data do not fit the model, whatever the sigmas say\n",
+                      "converged");
+  } else {
+    text += report.convergence_time
+                ? formatted("  %-12s after %.1f s\n", "converged", *report.convergence_time)
+                : formatted("  %-12s not within the data\n", "converged");
+  }
   text += formatted("  %-12s %.3f s in session %u, sequence %llu to %llu, %.2f turns of theta\n",
                     "data", report.last.end() - report.first.end() + report.first.duration(),
                     report.last.session, static_cast<unsigned long long>(report.first.sequence),

@@ -36,12 +36,14 @@ void LoopRecorder::write(const LoopRecord& record) {
   }
 }
 
-void LoopRecorder::finish(const BlockStamp& last) {
-  ring_gyro_msgs::EndOfRun end;
-  end.header.stamp = timeFromNanoseconds(last.end_ns);
-  end.session = last.session;
-  end.last_sequence = last.sequence;
-  writer_.write(topics::kEndOfRun, end);
+void LoopRecorder::finish(const BlockStamp& last, bool cut) {
+  if (!cut) {
+    ring_gyro_msgs::EndOfRun end;
+    end.header.stamp = timeFromNanoseconds(last.end_ns);
+    end.session = last.session;
+    end.last_sequence = last.sequence;
+    writer_.write(topics::kEndOfRun, end);
+  }
   writer_.finish();
 }
 

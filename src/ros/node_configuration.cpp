@@ -4,7 +4,10 @@
 #include <ros/param.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/configuration/parameter_text.h"
 
 namespace ring_gyro {
@@ -35,6 +38,25 @@ YAML::Node yamlFrom(XmlRpc::XmlRpcValue& value) {
   }
 }
 
+/// ROS runs nodes in a folder of its own, where nobody looks for a file.
+void requireWholePaths(const NodeParameters& node) {
+  std::vector<std::string> faults;
+  const auto check = [&faults](const char* key, const std::string& path) {
+    if (path.empty() || path[0] == '/') return;
+    const bool home = path.rfind("~/", 0) == 0;
+    faults.push_back(std::string(key) + " = " + path +
+                     (home ? ": the shell has not replaced ~; give $HOME" + path.substr(1)
+                           : ": a relative path, which a node cannot follow from where you stand; "
+                             "give $PWD/" +
+                                 path));
+  };
+  check("node/bag", node.bag);
+  check("node/calibration_file", node.calibration_file);
+  check("node/report", node.report);
+  check("node/replay", node.replay);
+  if (!faults.empty()) throw ConfigurationError(std::move(faults));
+}
+
 }  // namespace
 
 YAML::Node parametersOf(const ros::NodeHandle& private_handle) {
@@ -53,6 +75,13 @@ YAML::Node parametersOf(const ros::NodeHandle& private_handle) {
 NodeConfiguration readNodeConfiguration(const ros::NodeHandle& private_handle) {
   NodeConfiguration configuration;
   configuration.loop = readConfiguration(parametersOf(private_handle), &configuration.node);
+  const NodeParameters& node = configuration.node;
+  configuration.loop.files = {node.configuration_file, node.calibration_read,
+                              configuration.loop.plant.rotation.file};
+  requireWholePaths(node);
+  std::vector<std::string> inputs = configuration.loop.files;
+  inputs.push_back(node.replay);
+  requireApart({node.bag, node.calibration_file, node.report}, inputs);
   return configuration;
 }
 

@@ -9,15 +9,28 @@ bool sameBlock(const BlockStamp& a, const BlockStamp& b) {
   return a.session == b.session && a.sequence == b.sequence && a.end_ns == b.end_ns;
 }
 
+}  // namespace
+
 /// Whether anything that waits is of this session.
-template <typename Waiting>
-bool reached(const Waiting& waiting, std::uint32_t session) {
+template <typename Signal>
+bool PairMerge::reached(const std::deque<Waiting<Signal>>& waiting, std::uint32_t session) {
+  // All of one session: no need to look at each.
+  if (waiting.front().sessions == waiting.back().sessions) {
+    return waiting.front().signal.stamp.session == session;
+  }
   return std::any_of(waiting.begin(), waiting.end(), [session](const auto& entry) {
     return entry.signal.stamp.session == session;
   });
 }
 
-}  // namespace
+template <typename Signal>
+void PairMerge::wait(Topic<Signal>& topic, const Signal& signal, std::uint64_t& alone) {
+  topic.waiting.push_back({signal, topic.steps_back, topic.guard.counts().new_sessions});
+  if (topic.waiting.size() <= kMostWaiting) return;
+  topic.waiting.pop_front();
+  ++alone;
+  ++counts_.overdue;
+}
 
 template <typename Signal>
 bool PairMerge::usable(Topic<Signal>& topic, const Signal& signal) {
@@ -38,7 +51,7 @@ void PairMerge::add(const OrbitalElements& elements) {
     sink_(elements, gains);
     return;
   }
-  elements_.waiting.push_back({elements, elements_.steps_back});
+  wait(elements_, elements, counts_.elements_alone);
   merge();
 }
 
@@ -53,7 +66,7 @@ void PairMerge::add(const ControlGains& gains) {
     sink_(elements, gains);
     return;
   }
-  gains_.waiting.push_back({gains, gains_.steps_back});
+  wait(gains_, gains, counts_.gains_alone);
   merge();
 }
 

@@ -1,40 +1,16 @@
 #include "ring_gyro/ros/recorded_run.h"
 
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <utility>
 
-#include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/ros/bag_signals.h"
+#include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/pair_merge.h"
 
 namespace ring_gyro {
-namespace {
-
-/// Adds the rotation by sequence to `rotation` where there is one.
-void readTruth(const std::string& path, std::optional<PlantTruth>& truth,
-               std::map<std::uint64_t, double>& rotation) {
-  rosbag::Bag bag(path);
-  rosbag::View view(bag, [](const rosbag::ConnectionInfo* connection) {
-    return connection->datatype == ros::message_traits::datatype<ring_gyro_msgs::PlantTruth>();
-  });
-  for (const rosbag::MessageInstance& instance : view) {
-    const auto message = instance.instantiate<ring_gyro_msgs::PlantTruth>();
-    if (!message) {
-      throw BagError(path + ": " + instance.getTopic() +
-                     " is of another version of this package; leave it out with rosbag filter");
-    }
-    PlantTruth found;
-    fromMessage(*message, found);
-    if (found.rotation_rate != 0.0) rotation[found.stamp.sequence] = found.rotation_rate;
-    truth = found;
-  }
-}
-
-}  // namespace
 
 RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTopics& topics,
                             double start, double duration) {
@@ -47,29 +23,47 @@ RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTop
   const ros::Time to = duration > 0.0 ? from + ros::Duration(duration) : ros::TIME_MAX;
 
   RecordedRun run;
-  std::map<std::uint64_t, double> rotation;
-  for (const LoopBag& bag : bags) {
-    if (bag.hasIndex()) readTruth(bag.path(), run.truth, rotation);
-  }
+  // Rotation of the case by session and sequence, where there is one.
+  std::map<std::pair<std::uint32_t, std::uint64_t>, double> rotation;
+  const auto on_truth = [&](const PlantTruth& truth) {
+    if (truth.rotation_rate != 0.0) {
+      rotation[{truth.stamp.session, truth.stamp.sequence}] = truth.rotation_rate;
+    }
+    run.truth = truth;
+  };
   PairMerge merge([&](const OrbitalElements& elements, const ControlGains& gains) {
-    const auto found = rotation.find(elements.stamp.sequence);
-    run.pairs.push_back({elements, gains, found == rotation.end() ? 0.0 : found->second});
+    run.pairs.push_back({elements, gains});
   });
   OrbitalElements elements;
   ControlGains gains;
+  const auto asked_for = [&](const ros::Time& time) { return time >= from && time <= to; };
   for (LoopBag& bag : bags) {
+    BagSinks truth;
+    RefusedMessages refused;  // the truth is only for comparison
+    addSignals<ring_gyro_msgs::PlantTruth, PlantTruth>(bag.file(), on_truth, truth, refused);
+    // The truth is that of the whole run, whatever part is asked for.
+    const bool in_part = truth.empty();
     bag.read(
-        [&](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& /*time*/) {
-          fromMessage(message, elements);
+        [&](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& time) {
+          if (!asked_for(time)) return;
+          readChecked(message, elements);
           merge.add(elements);
         },
-        [&](const ring_gyro_msgs::ControlGains& message, const ros::Time& /*time*/) {
-          fromMessage(message, gains);
+        [&](const ring_gyro_msgs::ControlGains& message, const ros::Time& time) {
+          if (!asked_for(time)) return;
+          readChecked(message, gains);
           merge.add(gains);
         },
-        from, to);
+        in_part ? from : ros::TIME_MIN, in_part ? to : ros::TIME_MAX, std::move(truth));
+    for (const std::string& damage : bag.damage()) {
+      run.damage.push_back(bag.path() + ": " + damage);
+    }
   }
   merge.flush();
+  for (RecordedPair& pair : run.pairs) {
+    const auto found = rotation.find({pair.elements.stamp.session, pair.elements.stamp.sequence});
+    if (found != rotation.end()) pair.rotation_rate = found->second;
+  }
   if (run.pairs.empty()) {
     throw BagError(bags.front().path() + ": no elements with gains of the same block in it");
   }

@@ -1,23 +1,9 @@
 #include "ring_gyro/ros/stream_identifier.h"
 
-#include <cmath>
+#include <string>
 #include <utility>
 
-#include "ring_gyro/ros/conversions.h"
-
 namespace ring_gyro {
-namespace {
-
-/// A sum is finite only when all of it is.
-bool finite(const OrbitalElements& elements, const ControlGains& gains) {
-  const Orbit& orbit = elements.orbit;
-  const Eigen::Vector2cd drive = gains.drive.total();
-  return std::isfinite(orbit.a + orbit.b + orbit.theta + orbit.phi + elements.group_delay) &&
-         std::isfinite(drive.x().real() + drive.x().imag() + drive.y().real() + drive.y().imag()) &&
-         std::isfinite(gains.reference_frequency);
-}
-
-}  // namespace
 
 StreamIdentifier::StreamIdentifier(const LoopConfiguration& configuration, Sink sink,
                                    std::uint64_t start_sequence)
@@ -29,14 +15,24 @@ StreamIdentifier::StreamIdentifier(const LoopConfiguration& configuration, Sink 
       start_sequence_(start_sequence),
       block_duration_ns_(configuration.converter.blockDurationNanoseconds()) {}
 
-void StreamIdentifier::add(const ring_gyro_msgs::OrbitalElements& message) {
-  fromMessage(message, elements_);
+MessageFault StreamIdentifier::add(const ring_gyro_msgs::OrbitalElements& message) {
+  MessageFault fault = readChecked(message, elements_);
+  if (fault && report_.first_refused.empty()) {
+    report_.first_refused =
+        "orbital elements of block " + std::to_string(message.sequence) + ": " + fault.text;
+  }
   merge_.add(elements_);
+  return fault;
 }
 
-void StreamIdentifier::add(const ring_gyro_msgs::ControlGains& message) {
-  fromMessage(message, gains_);
+MessageFault StreamIdentifier::add(const ring_gyro_msgs::ControlGains& message) {
+  MessageFault fault = readChecked(message, gains_);
+  if (fault && report_.first_refused.empty()) {
+    report_.first_refused =
+        "control gains of block " + std::to_string(message.sequence) + ": " + fault.text;
+  }
   merge_.add(gains_);
+  return fault;
 }
 
 void StreamIdentifier::flush() {
@@ -72,26 +68,17 @@ void StreamIdentifier::process(const OrbitalElements& elements, const ControlGai
   sink_(*estimate, identifier_.covariance());
 }
 
+/// By the identifier's own rule: what it does not count as usable it does not use.
 void StreamIdentifier::count(const OrbitalElements& elements, const ControlGains& gains) {
-  UnusableBlocks& unusable = report_.unusable;
-  const LoopStatus& sensed = elements.status;
-  const LoopStatus& acted = gains.status;
-  if (!finite(elements, gains)) {
-    ++unusable.not_finite;
-  } else if (elements.stamp.duration_ns != block_duration_ns_) {
-    if (unusable.wrong_duration++ == 0) report_.wrong_duration_ns = elements.stamp.duration_ns;
-  } else if (!(std::abs(elements.orbit.b) < elements.orbit.a)) {
-    ++unusable.no_amplitude;
-  } else if (sensed.usable() && acted.usable()) {
+  const BlockUse use = identifier_.lastUse();
+  if (use == BlockUse::kUsable) {
     ++report_.usable;
     report_.frequency_sum += gains.reference_frequency;
-  } else if (sensed.invalid_samples || acted.invalid_samples) {
-    ++unusable.invalid_samples;
-  } else if (sensed.converter_saturated || acted.converter_saturated || sensed.drive_saturated ||
-             acted.drive_saturated) {
-    ++unusable.saturated;
   } else {
-    ++unusable.not_locked;
+    if (use == BlockUse::kWrongDuration && report_.unusable.wrong_duration == 0) {
+      report_.wrong_duration_ns = elements.stamp.duration_ns;
+    }
+    report_.unusable.add(use);
   }
 }
 

@@ -5,7 +5,12 @@ namespace ring_gyro {
 StampOrder TimeGuard::order(const BlockStamp& stamp) const {
   if (stamp.end_ns <= 0) return StampOrder::kZero;
   if (!started_) return StampOrder::kFirst;
-  if (stamp.session != last_.session) return StampOrder::kNewSession;
+  if (stamp.session != last_.session) {
+    // A bag that loops begins the session again; what goes on in it is another plant's.
+    const bool goes_on = left_any_ && stamp.session == left_.session &&
+                         stamp.sequence >= left_.sequence && stamp.end_ns >= left_.end_ns;
+    return goes_on ? StampOrder::kLeftSession : StampOrder::kNewSession;
+  }
   if (stamp.sequence == last_.sequence && stamp.end_ns == last_.end_ns) {
     return StampOrder::kDuplicate;
   }
@@ -32,6 +37,11 @@ StampOrder TimeGuard::check(const BlockStamp& stamp) {
       break;
     case StampOrder::kNewSession:
       ++counts_.new_sessions;
+      left_any_ = true;
+      left_ = last_;
+      break;
+    case StampOrder::kLeftSession:
+      ++counts_.left_sessions;
       break;
     case StampOrder::kZero:
       ++counts_.zero_stamps;

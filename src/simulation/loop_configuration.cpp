@@ -6,6 +6,9 @@
 namespace ring_gyro {
 namespace {
 
+// A parameter server carries 32-bit integers and message stamps unsigned 32-bit seconds.
+constexpr double kLargestInteger = 2147483647.0;
+
 template <typename Parameters>
 Section section(const char* name, Parameters& parameters) {
   Section result{name, {}};
@@ -24,6 +27,11 @@ std::uint32_t RunParameters::sessionIdentifier() const {
   return static_cast<std::uint32_t>(tenths);
 }
 
+std::int64_t RunParameters::followingSession() const {
+  if (session == 0) return 0;
+  return session < static_cast<std::int64_t>(kLargestInteger) ? session + 1 : 1;
+}
+
 std::uint64_t RunParameters::blocks(const ConverterParameters& converter) const {
   if (duration <= 0.0) return 0;
   const double blocks = std::round(duration / converter.blockDuration());
@@ -31,15 +39,14 @@ std::uint64_t RunParameters::blocks(const ConverterParameters& converter) const 
 }
 
 void RunParameters::declare(ParameterTable& table) {
-  // A parameter server carries 32-bit integers and message stamps unsigned 32-bit seconds.
-  constexpr double kLargestInteger = 2147483647.0;
   table
       .number("duration", duration, "s", Range::between(0.0, 1e9),
               "simulated time of the run; 0: until stopped")
       .integer("seed", seed, Range::between(0.0, kLargestInteger), "of all noise")
-      .integer("session", session, Range::between(0.0, kLargestInteger),
-               "tells one start of the plant from another; 0: from the wall clock, which makes "
-               "each run's messages its own")
+      .integer(
+          "session", session, Range::between(0.0, kLargestInteger),
+          "tells one start of the plant from another, a plant node that is started again takes "
+          "the next; 0: from the wall clock, which makes each run's messages its own")
       .number("start_time", start_time, "s", Range::between(1e-9, 2e9),
               "stamp of the start of the first block; never zero, which in ROS means no time");
 }

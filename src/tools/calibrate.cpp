@@ -16,6 +16,7 @@
 #include "harmonics_json.h"
 #include "progress_bar.h"
 #include "ring_gyro/calibration/calibration_report.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/staged_file.h"
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/calibration_run.h"
@@ -129,6 +130,7 @@ int main(int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     const LoopConfiguration configuration = configuration_options.read();
+    requireApart({output_file, json_file}, configuration.files);
     run(configuration, output_file, json_file);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -281,6 +281,10 @@ int run(const Arguments& arguments) {
   for (const std::string& path : arguments.bags) {
     try {
       const RecordedRun recorded = readRecordedRun({path}, {}, 0.0, arguments.duration);
+      for (const std::string& damage : recorded.damage) {
+        std::fprintf(stderr, "compare_identifiers: %s\n", damage.c_str());
+        failed = true;
+      }
       runs.push_back(compare(recorded, configuration));
       std::printf("%s: %zu blocks%s\n", path.c_str(), recorded.pairs.size(),
                   recorded.truth ? "" : ", no truth in it");

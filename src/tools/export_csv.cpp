@@ -1,24 +1,21 @@
 // rosrun ring_gyro export_csv: elements and gains of a bag as a table that import_csv reads back.
 
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-
 #include <boost/program_options.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <map>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
-#include "bag_message.h"
 #include "command_line.h"
 #include "progress_bar.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/logs/log_table.h"
+#include "ring_gyro/ros/bag_signals.h"
 #include "ring_gyro/ros/pair_merge.h"
 
 namespace ring_gyro {
@@ -52,10 +49,13 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
-void requireTopics(rosbag::View& view) {
+/// Gives the number of messages of both topics.
+double requireTopics(const BagFile& bag) {
   std::map<std::string, int> topics;  // by type
-  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
-    ++topics[connection->datatype];
+  std::map<std::string, double> messages;
+  for (const BagConnection& connection : bag.connections()) {
+    ++topics[connection.type];
+    messages[connection.type] += static_cast<double>(connection.messages);
   }
   for (const char* type : {"ring_gyro/OrbitalElements", "ring_gyro/ControlGains"}) {
     if (topics[type] == 1) continue;
@@ -65,13 +65,14 @@ void requireTopics(rosbag::View& view) {
                                  : std::string("several topics of ") + type +
                                        "; choose one with rosbag filter");
   }
+  return messages["ring_gyro/OrbitalElements"] + messages["ring_gyro/ControlGains"];
 }
 
 void exportBag(const Arguments& arguments) {
-  rosbag::Bag bag(arguments.bag_file);
-  rosbag::View view(bag, rosbag::TypeQuery(std::vector<std::string>{"ring_gyro/OrbitalElements",
-                                                                    "ring_gyro/ControlGains"}));
-  requireTopics(view);
+  requireApart({arguments.log_file}, {arguments.bag_file});
+  BagFile bag(arguments.bag_file);
+  bag.requireWhole();
+  ProgressBar progress(requireTopics(bag), "messages");
   WholeFile out(arguments.log_file);
   out.write(logHeader());
   std::string row;
@@ -88,19 +89,25 @@ void exportBag(const Arguments& arguments) {
     out.write(row);
     ++rows;
   });
-  ProgressBar progress(static_cast<double>(view.size()), "messages");
-  OrbitalElements elements;
-  ControlGains gains;
+  RefusedMessages refused;
   double messages = 0.0;
-  for (const rosbag::MessageInstance& instance : view) {
-    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements)) merge.add(elements);
-    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains)) merge.add(gains);
+  const auto add = [&](const auto& signal) {
+    merge.add(signal);
     progress.show(messages += 1.0);
-  }
+  };
+  BagSinks sinks;
+  addSignals<ring_gyro_msgs::OrbitalElements, OrbitalElements>(bag, add, sinks, refused);
+  addSignals<ring_gyro_msgs::ControlGains, ControlGains>(bag, add, sinks, refused);
+  bag.read(sinks);
+  bag.requireWhole();
   merge.flush();
   progress.clear();
-  if (rows == 0) throw std::runtime_error("no block has both its elements and its gains");
+  if (rows == 0) {
+    throw std::runtime_error("no block has both its elements and its gains" +
+                             (refused.count > 0 ? "; " + refused.text() : std::string()));
+  }
   out.finish();
+  if (refused.count > 0) std::fprintf(stderr, "export_csv: %s\n", refused.text().c_str());
   const PairMerge::Counts& counts = merge.counts();
   std::printf("exported   %lu rows to %s\n", static_cast<unsigned long>(rows),
               arguments.log_file.c_str());
@@ -114,9 +121,8 @@ void exportBag(const Arguments& arguments) {
 void run(const Arguments& arguments) {
   try {
     exportBag(arguments);
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(arguments.bag_file + ": " + error.what() +
-                             "; is it a whole bag? One that was cut: rosbag reindex");
+  } catch (const BagError&) {
+    throw;
   } catch (const std::runtime_error& error) {
     const std::string what = error.what();
     const bool named = what.rfind(arguments.log_file, 0) == 0;

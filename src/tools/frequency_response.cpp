@@ -17,6 +17,7 @@
 #include "configuration_options.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/swept_sine.h"
@@ -114,7 +115,9 @@ void run(Arguments& arguments) {
   ParameterTable table;
   sweep.declare(table);
   requireInRange(table, "--");
-  for (const std::string& file : {arguments.device_file, arguments.csv_file}) requireWritable(file);
+  requireApart({arguments.device_file, arguments.csv_file}, configuration.files);
+  WholeFile device_file(arguments.device_file);
+  WholeFile csv_file(arguments.csv_file);
   const double total = 2.0 * static_cast<double>(sweep.points) * (sweep.settling + sweep.averaging);
   ProgressBar progress(total);
   const auto seed = static_cast<std::uint64_t>(configuration.run.seed);
@@ -125,8 +128,8 @@ void run(Arguments& arguments) {
   const FrequencyResponseFit fit = fitFrequencyResponse(points);
   print(fit, fitRingDown(recordRingDown(configuration.plant, configuration.converter,
                                         configuration.demodulation, sweep, seed)));
-  if (!arguments.device_file.empty()) writeWholeFile(arguments.device_file, deviceSection(fit));
-  if (!arguments.csv_file.empty()) writeWholeFile(arguments.csv_file, csvOf(points));
+  device_file.finish(deviceSection(fit));
+  csv_file.finish(csvOf(points));
 }
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "command_line.h"
 #include "device_options.h"
 #include "progress_bar.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/identification/extended_identifier.h"
 #include "ring_gyro/ros/bag_identification.h"
@@ -38,7 +39,8 @@ constexpr int kIdentified = 0;
 constexpr int kFailed = 1;
 constexpr int kIdentifiedWithFaults = 2;
 constexpr char kExitText[] =
-    "\nExit status: 0 identified; 2 identified, but data was lost or unusable (lines on stderr); "
+    "\nExit status: 0 identified; 2 identified, but data was lost or unusable, or does not fit the "
+    "model (lines on stderr); "
     "1 at least one run could not be identified.\n";
 
 struct Arguments {
@@ -205,33 +207,48 @@ class Identification {
   std::size_t finished_ = 0;
 };
 
-/// The extended identifier over the same run, as a table for people.
-std::string extendedText(const std::vector<std::string>& bags, const Arguments& arguments,
-                         const LoopConfiguration& configuration) {
+struct ExtendedReport {
+  std::string text;    // a table for people
+  std::string misfit;  // as misfitOf()
+};
+
+/// The extended identifier over the same run.
+ExtendedReport extendedReport(const std::vector<std::string>& bags, const Arguments& arguments,
+                              const LoopConfiguration& configuration) {
   const BagIdentificationOptions& wanted = arguments.identification;
   const RecordedRun run =
       readRecordedRun(bags, wanted.topics, wanted.start, wanted.duration.value_or(0.0));
   ExtendedIdentifier identifier(configuration.extended, configuration.converter);
   ExtendedEstimate last;
-  double nis_sum = 0.0;
-  int updates = 0;
+  double nis_sum = 0.0, all_sum = 0.0;
+  std::uint64_t updates = 0, all_updates = 0;
   for (const RecordedPair& pair : run.pairs) {
     if (pair.elements.stamp.sequence < wanted.start_sequence) continue;
     const auto estimate = identifier.process(
         pair.elements, pair.gains, configuration.device.angular_gain * pair.rotation_rate);
     if (!estimate) continue;
     last = *estimate;
-    if (!last.settled || !last.updated || !last.whole_period) continue;
+    if (!last.updated || !last.whole_period) continue;
+    all_sum += last.normalised_innovation_squared;
+    ++all_updates;
+    if (!last.settled) continue;
     nis_sum += last.normalised_innovation_squared;
     ++updates;
   }
-  if (!last.scaled) return "  extended     not identified: no complete period of usable blocks\n";
+  if (!last.scaled) {
+    return {"  extended     not identified: no complete period of usable blocks\n", ""};
+  }
   char line[160];
   std::string text;
+  const std::string misfit =
+      updates > 0 ? misfitOf(updates, nis_sum, 4) : misfitOf(all_updates, all_sum, 4);
   std::snprintf(line, sizeof line,
-                "  extended     %s, Q %.8g, mean NIS %.3f of 4 over %d updates\n",
-                last.settled ? "settled" : "the cubic term is not found yet", last.quality_factor,
-                updates > 0 ? nis_sum / updates : 0.0, updates);
+                "  extended     %s, Q %.8g, mean NIS %.3f of 4 over %llu updates\n",
+                !misfit.empty() ? "does not fit"
+                : last.settled  ? "settled"
+                                : "the cubic term is not found yet",
+                last.quality_factor, updates > 0 ? nis_sum / static_cast<double>(updates) : 0.0,
+                static_cast<unsigned long long>(updates));
   text += line;
   for (std::size_t k = 4; k < identifier.names().size(); ++k) {
     const auto state = static_cast<Eigen::Index>(k);
@@ -239,13 +256,12 @@ std::string extendedText(const std::vector<std::string>& bags, const Arguments& 
                   last.value[state], last.sigma(state));
     text += line;
   }
-  return text;
+  return {text, misfit};
 }
 
 /// Tables, lines about faults, JSON. Returns the exit status.
 int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
-           const LoopConfiguration& configuration) {
-  const std::string& json_file = arguments.json_file;
+           const LoopConfiguration& configuration, WholeFile& json) {
   std::vector<IdentificationResult> results;
   bool failed = false;
   bool faulty = false;
@@ -262,7 +278,10 @@ int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
     const std::string& source = result.sources.front();
     std::fputs(identificationText(result, configuration).c_str(), stdout);
     if (arguments.extended) {
-      std::fputs(extendedText(result.sources, arguments, configuration).c_str(), stdout);
+      const ExtendedReport extended = extendedReport(result.sources, arguments, configuration);
+      std::fputs(extended.text.c_str(), stdout);
+      if (!extended.misfit.empty()) say(source, "extended: " + extended.misfit);
+      faulty = faulty || !extended.misfit.empty();
     }
     std::fflush(stdout);
     for (const std::string& line : result.damage) say(source, line);
@@ -277,9 +296,7 @@ int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
     faulty = faulty || !faults.empty() || !result.damage.empty();
     results.push_back(result);
   }
-  if (!json_file.empty() && !results.empty()) {
-    writeWholeFile(json_file, identificationJson(results, configuration));
-  }
+  if (!results.empty()) json.finish(identificationJson(results, configuration));
   return failed ? kFailed : faulty ? kIdentifiedWithFaults : kIdentified;
 }
 
@@ -293,9 +310,12 @@ int main(int argc, char** argv) {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;
     const LoopConfiguration configuration = arguments->device.read();
-    requireWritable(arguments->json_file);
+    std::vector<std::string> inputs = arguments->bags;
+    inputs.insert(inputs.end(), configuration.files.begin(), configuration.files.end());
+    requireApart({arguments->json_file, arguments->estimates_file}, inputs);
+    WholeFile json(arguments->json_file);
     Identification identification(*arguments, configuration);
-    return report(identification.run(), *arguments, configuration);
+    return report(identification.run(), *arguments, configuration, json);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "identify: %s\n", error.what());
     return kFailed;

@@ -15,6 +15,7 @@
 #include "command_line.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/logs/log_importer.h"
 #include "ring_gyro/logs/record_source.h"
 #include "ring_gyro/ros/bag_writer.h"
@@ -242,6 +243,7 @@ void judge(const ImportCounts& counts, const std::string& file) {
 }
 
 void run(const Arguments& arguments) {
+  requireApart({arguments.bag_file}, {arguments.log_file});
   const std::unique_ptr<RecordSource> source = openLog(arguments.log_file, arguments.dialect);
   const ColumnMap map(arguments.log_file, source->names(), arguments.columns, arguments.constants,
                       arguments.ignored);

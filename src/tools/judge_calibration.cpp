@@ -16,6 +16,7 @@
 #include "harmonics_json.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/simulation/calibration_judgement.h"
 
@@ -131,6 +132,7 @@ int main(int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     const LoopConfiguration configuration = configuration_options.read();
+    requireApart({json_file}, configuration.files);
     requireWritable(json_file);
     const nlohmann::json rows = judge(configuration, time, each_switch);
     if (!json_file.empty()) writeWholeFile(json_file, rows.dump(1) + "\n");

@@ -2,9 +2,6 @@
 
 #include "ring_gyro/simulation/monte_carlo.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <boost/program_options.hpp>
 #include <cerrno>
 #include <cinttypes>
@@ -24,7 +21,9 @@
 #include <vector>
 
 #include "command_line.h"
+#include "line_file.h"
 #include "progress_bar.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 
@@ -200,7 +199,11 @@ struct Lines {
 /// naming file and line where one is not of this kind, or differs from one with the same index.
 void readLines(const std::string& path, Lines& lines) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  file.peek();  // a folder can be opened, but not read
+  if (file.bad() || !file.is_open()) {
+    throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  }
+  file.clear();
   std::ostringstream content;
   content << file.rdbuf();
   const std::string text = content.str();
@@ -236,32 +239,6 @@ void readLines(const std::string& path, Lines& lines) {
   }
 }
 
-/// A file that grows by whole lines: each is one write at the end.
-class LineFile {
- public:
-  explicit LineFile(const std::string& path)
-      : path_(path), file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644)) {
-    if (file_ < 0) fail();
-  }
-  ~LineFile() { ::close(file_); }
-  LineFile(const LineFile&) = delete;
-  LineFile& operator=(const LineFile&) = delete;
-
-  void cutAt(std::size_t length) {
-    if (::ftruncate(file_, static_cast<off_t>(length)) != 0) fail();
-  }
-  bool empty() const { return ::lseek(file_, 0, SEEK_END) == 0; }
-  void add(const std::string& line) {
-    if (::write(file_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) fail();
-  }
-
- private:
-  [[noreturn]] void fail() const { throw std::runtime_error(writeFault(path_, errno)); }
-
-  std::string path_;
-  int file_;
-};
-
 void print(const MonteCarloSummary& summary) {
   std::printf("items      %" PRIu64 ", %" PRIu64 " refused, %" PRIu64 " converged\n", summary.items,
               summary.refused, summary.converged);
@@ -295,13 +272,12 @@ void printStatistics(const Lines& lines) {
 }
 
 void merge(const Arguments& arguments) {
+  requireApart({arguments.output}, arguments.merge);
+  WholeFile output(arguments.output);
   Lines lines;
   for (const std::string& path : arguments.merge) readLines(path, lines);
-  if (!arguments.output.empty()) {
-    std::string text;
-    for (const auto& line : lines.by_index) text += line.second;
-    writeWholeFile(arguments.output, text);
-  }
+  for (const auto& line : lines.by_index) output.write(line.second);
+  output.finish();
   printStatistics(lines);
 }
 
@@ -311,9 +287,13 @@ void runBatch(const Arguments& arguments) {
   batch.random_devices = arguments.random_devices;
   const std::string name = fingerprint(batch);
 
+  requireApart({arguments.output}, batch.configuration.files);
   LineFile file(arguments.output);
   Lines lines;
   lines.batch = name;
+  if (arguments.resume && !file.isFile()) {
+    throw std::runtime_error(arguments.output + ": is no file; leave --resume out");
+  }
   if (arguments.resume) {
     readLines(arguments.output, lines);
     file.cutAt(lines.whole);
@@ -336,6 +316,7 @@ void runBatch(const Arguments& arguments) {
     lines.by_index.emplace(item.index, line);
     progress.showNow(done += 1.0);
   });
+  file.finish();
   printStatistics(lines);
 }
 

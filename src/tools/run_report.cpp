@@ -12,14 +12,16 @@
 namespace ring_gyro {
 namespace {
 
-void printIdentification(std::string& text, const char* title,
+void printIdentification(std::string& text, const char* title, bool fits,
                          const std::optional<IdentificationResult>& result) {
   if (!result) {
     text += formatted("%s: no estimate\n", title);
     return;
   }
   text += formatted("%s, at %.1f s: %.1f s of data, %s\n", title, result->time, result->used_time,
-                    result->converged ? "converged" : "not converged");
+                    !fits               ? "does not fit the data"
+                    : result->converged ? "converged"
+                                        : "not converged");
   text += formatted("  %-12s %15s %15s %11s %11s\n", "parameter", "truth", "estimate", "sigma",
                     "error");
   for (const ParameterResult& p : result->parameters) {
@@ -131,6 +133,9 @@ std::string summaryText(const RunRecord& record, const RunSummary& summary) {
   text += formatted("run: %.3f s, %zu blocks, %zu missing, %zu unlocked after the first lock\n",
                     summary.duration, record.blocks().size(), summary.missing_blocks,
                     summary.unlocked_blocks);
+  if (record.cut()) {
+    text += "the run was cut: its end_of_run is not in the bag, or its last blocks are not\n";
+  }
   if (summary.ring_up_time) {
     text += formatted("ring-up: all loops locked after %.3f s\n", *summary.ring_up_time);
   } else {
@@ -150,15 +155,19 @@ std::string summaryText(const RunRecord& record, const RunSummary& summary) {
         consistency->mean, consistency->updates, consistency->meanTolerance(),
         100.0 * consistency->share_inside, FilterConsistency::kBound);
   }
-  if (summary.converged_time) {
+  const bool fits = summary.misfit.empty();
+  if (!fits) {
+    text += "filter: " + summary.misfit + "\n";
+  } else if (summary.converged_time) {
     text += formatted("filter: converged from %.1f s on\n", *summary.converged_time);
   }
   if (!summary.before_compensation || !summary.final_estimate ||
       summary.before_compensation->time != summary.final_estimate->time) {
-    printIdentification(text, "last estimate before compensation", summary.before_compensation);
+    printIdentification(text, "last estimate before compensation", fits,
+                        summary.before_compensation);
     text += "\n";
   }
-  printIdentification(text, "last estimate", summary.final_estimate);
+  printIdentification(text, "last estimate", fits, summary.final_estimate);
   text += "\n";
   printDrift(text, record, summary);
   return text;
@@ -169,6 +178,7 @@ std::string summaryJson(const RunRecord& record, const RunSummary& summary) {
                {"blocks", record.blocks().size()},
                {"missing_blocks", summary.missing_blocks},
                {"unlocked_blocks", summary.unlocked_blocks},
+               {"cut", record.cut()},
                {"ring_up_s", summary.ring_up_time ? Json(*summary.ring_up_time) : Json(nullptr)}};
   root["loop_errors"] = nullptr;
   if (const auto& errors = summary.loop_errors) {
@@ -186,6 +196,7 @@ std::string summaryJson(const RunRecord& record, const RunSummary& summary) {
                       {"true_quality_factor",
                        record.device() ? Json(record.device()->quality_factor) : Json(nullptr)}};
   root["converged_s"] = summary.converged_time ? Json(*summary.converged_time) : Json(nullptr);
+  if (!summary.misfit.empty()) root["misfit"] = summary.misfit;
   root["consistency"] = nullptr;
   if (const auto& consistency = summary.consistency) {
     root["consistency"] = {{"updates", consistency->updates},

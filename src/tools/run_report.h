@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "ring_gyro/analysis/run_record.h"
 #include "ring_gyro/analysis/run_summary.h"
@@ -12,6 +13,9 @@ std::string summaryText(const RunRecord& record, const RunSummary& summary);
 
 /// The same for programs, SI units; what is unknown is null.
 std::string summaryJson(const RunRecord& record, const RunSummary& summary);
+
+/// The files that writeSeries writes; none for an empty name.
+std::vector<std::string> seriesFiles(const std::string& directory);
 
 /// Series for plots, thinned to what a plot can show, as files in `directory` (made when missing):
 /// loops.csv, ring_up.csv, gains.csv, estimates.csv, rates.csv, allan.csv. Throws

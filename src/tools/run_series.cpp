@@ -11,6 +11,7 @@
 #include "ring_gyro/analysis/allan_deviation.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/common/write_fault.h"
 #include "run_report.h"
 
 namespace ring_gyro {
@@ -203,18 +204,34 @@ std::string ratesCsv(const RunSummary& summary) {
   return table.text();
 }
 
+constexpr const char* kLoops = "/loops.csv";
+constexpr const char* kRingUp = "/ring_up.csv";
+constexpr const char* kGains = "/gains.csv";
+constexpr const char* kEstimates = "/estimates.csv";
+constexpr const char* kRates = "/rates.csv";
+constexpr const char* kAllan = "/allan.csv";
+
 }  // namespace
+
+std::vector<std::string> seriesFiles(const std::string& directory) {
+  std::vector<std::string> files;
+  if (directory.empty()) return files;
+  for (const char* name : {kLoops, kRingUp, kGains, kEstimates, kRates, kAllan}) {
+    files.push_back(directory + name);
+  }
+  return files;
+}
 
 void writeSeries(const RunRecord& record, const RunSummary& summary, const std::string& directory) {
   if (mkdir(directory.c_str(), 0777) != 0 && errno != EEXIST) {
     throw std::runtime_error(writeFault(directory, errno));
   }
-  writeWholeFile(directory + "/loops.csv", loopsCsv(record));
-  writeWholeFile(directory + "/ring_up.csv", ringUpCsv(record, summary));
-  writeWholeFile(directory + "/gains.csv", gainsCsv(record));
-  writeWholeFile(directory + "/estimates.csv", estimatesCsv(record));
-  writeWholeFile(directory + "/rates.csv", ratesCsv(summary));
-  writeWholeFile(directory + "/allan.csv", allanCsv(record, summary));
+  writeWholeFile(directory + kLoops, loopsCsv(record));
+  writeWholeFile(directory + kRingUp, ringUpCsv(record, summary));
+  writeWholeFile(directory + kGains, gainsCsv(record));
+  writeWholeFile(directory + kEstimates, estimatesCsv(record));
+  writeWholeFile(directory + kRates, ratesCsv(summary));
+  writeWholeFile(directory + kAllan, allanCsv(record, summary));
 }
 
 }  // namespace ring_gyro

@@ -15,7 +15,9 @@
 #include "configuration_options.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/identification/consistency.h"
 #include "ring_gyro/ros/loop_recorder.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
@@ -39,6 +41,9 @@ struct Summary {
   double wall = 0.0;                   // [s]
   std::optional<double> locked_after;  // [s]
   std::optional<ParameterEstimate> estimate;
+  std::uint64_t updates = 0;  // since it first said converged, or all until then
+  double nis_sum = 0.0;       // of their normalised innovations squared
+  bool converged = false;     // it has said so
   std::optional<CompensationDecision> decision;
   OrbitalElements elements;
   std::uint64_t messages = 0;
@@ -67,10 +72,25 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
+void take(const ParameterEstimate& estimate, Summary& summary) {
+  summary.estimate = estimate;
+  if (estimate.updated) {
+    ++summary.updates;
+    summary.nis_sum += estimate.normalised_innovation_squared;
+  }
+  if (!estimate.converged || summary.converged) return;
+  summary.converged = true;
+  summary.updates = 0;
+  summary.nis_sum = 0.0;
+}
+
 Summary simulate(const LoopConfiguration& configuration, const Arguments& arguments) {
+  requireApart({arguments.output_file}, configuration.files);
   ClosedLoop loop(configuration);
   std::optional<LoopRecorder> recorder;
   if (!arguments.output_file.empty()) recorder.emplace(arguments.output_file, arguments.raw);
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
   const std::uint64_t blocks = configuration.run.blocks(configuration.converter);
   ProgressBar progress(configuration.run.duration);
   Summary summary;
@@ -78,7 +98,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
   for (std::uint64_t block = 0; (blocks == 0 || block < blocks) && interrupted == 0; ++block) {
     const LoopRecord record = loop.step();
     if (recorder) recorder->write(record);
-    if (record.estimate) summary.estimate = *record.estimate;
+    if (record.estimate) take(*record.estimate, summary);
     if (record.decision) summary.decision = *record.decision;
     if (!summary.locked_after && record.loops.elements.status.locked()) {
       summary.locked_after = loop.time();
@@ -88,7 +108,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
     progress.show(loop.time());
   }
   if (recorder) {
-    recorder->finish(summary.last);
+    recorder->finish(summary.last, blocks != 0 && summary.last.sequence + 1 < blocks);
     summary.messages = recorder->messages();
   }
   summary.simulated = loop.time();
@@ -121,7 +141,9 @@ void print(const Summary& summary, const LoopConfiguration& configuration,
     line("mu2", kMu2, truth.mu2);
     line("ks", kDriveGain, truth.driveGain());
     std::printf("estimate   %s, %lu blocks used, %lu rejected, %lu lost\n",
-                summary.estimate->converged ? "converged" : "not converged",
+                !misfitOf(summary.updates, summary.nis_sum).empty() ? "does not fit the data"
+                : summary.estimate->converged                       ? "converged"
+                                                                    : "not converged",
                 static_cast<unsigned long>(summary.estimate->used_blocks),
                 static_cast<unsigned long>(summary.estimate->rejected_blocks),
                 static_cast<unsigned long>(summary.estimate->lost_blocks));
@@ -147,8 +169,6 @@ int main(int argc, char** argv) {
     std::vector<std::string> overrides;
     if (!arguments->duration.empty()) overrides.push_back("run/duration=" + arguments->duration);
     const LoopConfiguration configuration = arguments->configuration.read(overrides);
-    std::signal(SIGINT, [](int) { interrupted = 1; });
-    std::signal(SIGTERM, [](int) { interrupted = 1; });
     print(simulate(configuration, *arguments), configuration, *arguments);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -1,9 +1,6 @@
 // rosrun ring_gyro summarise_run: what a recorded run achieved, as tables, JSON and series for
 // plots.
 
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-
 #include <boost/program_options.hpp>
 #include <cstdio>
 #include <cstdlib>
@@ -11,14 +8,15 @@
 #include <iostream>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
+#include <vector>
 
-#include "bag_message.h"
 #include "command_line.h"
 #include "ring_gyro/analysis/run_record.h"
 #include "ring_gyro/analysis/run_summary.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
+#include "ring_gyro/ros/bag_signals.h"
 #include "ring_gyro/ros/messages.h"
 #include "run_report.h"
 
@@ -26,6 +24,12 @@ namespace ring_gyro {
 namespace {
 
 namespace options = boost::program_options;
+
+constexpr int kDoubtful = 2;
+constexpr char kExitText[] =
+    "\nExit status: 0 summarised; 2 summarised, but messages were left out or the identification "
+    "does "
+    "not fit its data (lines on stderr); 1 no summary.\n";
 
 struct Arguments {
   std::string bag_file;
@@ -48,7 +52,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "of the rates [s]");
   const options::variables_map values = parseCommandLine(argc, argv, description, "bag", 1);
   if (values.count("help") != 0) {
-    std::cout << "usage: summarise_run BAG [--json FILE] [--csv DIRECTORY]\n" << description;
+    std::cout << "usage: summarise_run BAG [--json FILE] [--csv DIRECTORY]\n"
+              << description << kExitText;
     return std::nullopt;
   }
   if (arguments.bag_file.empty()) {
@@ -61,54 +66,63 @@ std::optional<Arguments> parse(int argc, char** argv) {
 }
 
 /// Topics are told apart by type, so that namespaces and remapping do not matter.
-RunRecord readBag(const std::string& path) {
-  rosbag::Bag bag(path);
-  rosbag::View view(bag);
+RunRecord readBag(const std::string& path, RefusedMessages& refused) {
+  BagFile bag(path);
+  bag.requireWhole();
   std::map<std::string, std::string> topics;  // by type
-  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
-    const auto [found, fresh] = topics.emplace(connection->datatype, connection->topic);
-    if (!fresh && found->second != connection->topic &&
-        connection->datatype.rfind("ring_gyro/", 0) == 0) {
-      throw std::runtime_error("two topics of " + connection->datatype + ", " + found->second +
-                               " and " + connection->topic + ": filter one out with rosbag filter");
+  for (const BagConnection& connection : bag.connections()) {
+    const auto [found, fresh] = topics.emplace(connection.type, connection.topic);
+    if (!fresh && found->second != connection.topic &&
+        connection.type.rfind("ring_gyro/", 0) == 0) {
+      throw BagError(path + ": two topics of " + connection.type + ", " + found->second + " and " +
+                     connection.topic + ": filter one out with rosbag filter");
     }
   }
   for (const char* type : {"ring_gyro/OrbitalElements", "ring_gyro/ControlGains"}) {
     if (topics.count(type) == 0) {
-      throw std::runtime_error(std::string("no messages of ") + type +
-                               "; record the topics orbital_elements and control_gains");
+      throw BagError(path + ": no messages of " + type +
+                     "; record the topics orbital_elements and control_gains");
     }
   }
   RunRecord record;
-  OrbitalElements elements;
-  ControlGains gains;
-  PlantTruth truth;
-  ParameterEstimate estimate;
-  for (const rosbag::MessageInstance& instance : view) {
-    if (readIf<ring_gyro_msgs::OrbitalElements>(instance, elements)) record.add(elements);
-    if (readIf<ring_gyro_msgs::ControlGains>(instance, gains)) record.add(gains);
-    if (readIf<ring_gyro_msgs::PlantTruth>(instance, truth)) record.add(truth);
-    if (readIf<ring_gyro_msgs::ParameterEstimate>(instance, estimate)) record.add(estimate);
+  BagSinks sinks;
+  const auto add = [&record](const auto& signal) { record.add(signal); };
+  addSignals<ring_gyro_msgs::OrbitalElements, OrbitalElements>(bag, add, sinks, refused);
+  addSignals<ring_gyro_msgs::ControlGains, ControlGains>(bag, add, sinks, refused);
+  addSignals<ring_gyro_msgs::PlantTruth, PlantTruth>(bag, add, sinks, refused);
+  addSignals<ring_gyro_msgs::ParameterEstimate, ParameterEstimate>(bag, add, sinks, refused);
+  addMessages<ring_gyro_msgs::EndOfRun>(
+      bag, [&record](const auto& end) { record.end(end.session, end.last_sequence); }, sinks);
+  try {
+    bag.read(sinks);
+  } catch (const std::exception& error) {
+    throw BagError(path + ": " + error.what());
   }
+  bag.requireWhole();
   return record;
 }
 
-void run(const Arguments& arguments) {
-  RunRecord record;
-  try {
-    record = readBag(arguments.bag_file);
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(arguments.bag_file + ": " + error.what() +
-                             "; is it a whole bag? One that was cut: rosbag reindex");
-  } catch (const std::exception& error) {
-    throw std::runtime_error(arguments.bag_file + ": " + error.what());
-  }
+/// What a user may not overlook goes to standard error, a line each. Returns the exit status.
+int run(const Arguments& arguments) {
+  std::vector<std::string> outputs = seriesFiles(arguments.csv_directory);
+  outputs.push_back(arguments.json_file);
+  requireApart(outputs, {arguments.bag_file});
+  requireWritable(arguments.json_file);
+  RefusedMessages refused;
+  const RunRecord record = readBag(arguments.bag_file, refused);
   const RunSummary summary = summarise(record, arguments.summary);
   if (!arguments.csv_directory.empty()) writeSeries(record, summary, arguments.csv_directory);
   if (!arguments.json_file.empty()) {
     writeWholeFile(arguments.json_file, summaryJson(record, summary));
   }
   std::fputs(summaryText(record, summary).c_str(), stdout);
+  std::fflush(stdout);
+  const auto say = [&arguments](const std::string& line) {
+    if (!line.empty()) std::fprintf(stderr, "%s: %s\n", arguments.bag_file.c_str(), line.c_str());
+  };
+  say(refused.text());
+  say(summary.misfit);
+  return summary.misfit.empty() && refused.count == 0 ? EXIT_SUCCESS : kDoubtful;
 }
 
 }  // namespace
@@ -116,8 +130,8 @@ void run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   try {
-    if (const auto arguments = ring_gyro::parse(argc, argv)) ring_gyro::run(*arguments);
-    return EXIT_SUCCESS;
+    const auto arguments = ring_gyro::parse(argc, argv);
+    return arguments ? ring_gyro::run(*arguments) : EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "summarise_run: %s\n", error.what());
     return EXIT_FAILURE;

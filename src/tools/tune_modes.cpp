@@ -12,6 +12,7 @@
 #include "command_line.h"
 #include "configuration_options.h"
 #include "ring_gyro/common/formatted.h"
+#include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/mode_tuning.h"
@@ -33,6 +34,8 @@ std::string voltageSection(const TuningPass& pass) {
 
 void run(const LoopConfiguration& configuration, const TuningOptions& tuning,
          const std::string& output_file) {
+  requireApart({output_file}, configuration.files);
+  WholeFile output(output_file);
   std::printf("pass  V(0)      V(90)     V(45)     V(135)    identified split   true split\n");
   int number = 0;
   const std::vector<TuningPass> passes =
@@ -44,7 +47,7 @@ void run(const LoopConfiguration& configuration, const TuningOptions& tuning,
                     ring.tuning_voltage_135, pass.split, pass.true_split);
         std::fflush(stdout);
       });
-  if (!output_file.empty()) writeWholeFile(output_file, voltageSection(passes.back()));
+  output.finish(voltageSection(passes.back()));
   if (passes.back().split >= tuning.target_split) {
     throw std::runtime_error(
         "tune_modes: the split is still above --target after --passes; allow more "
@@ -83,7 +86,6 @@ int main(int argc, char** argv) {
     ParameterTable table;
     tuning.declare(table);
     requireInRange(table, "--");
-    requireWritable(output_file);
     run(configuration, tuning, output_file);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -38,6 +39,8 @@ class RunRecord {
   void add(const ControlGains& gains);
   void add(const PlantTruth& truth);
   void add(const ParameterEstimate& estimate);
+  /// The plant has said which block was its last.
+  void end(std::uint32_t session, std::uint64_t last_sequence);
 
   const std::deque<RunBlock>& blocks() const { return blocks_; }
   const std::vector<ParameterEstimate>& estimates() const { return estimates_; }
@@ -53,6 +56,9 @@ class RunRecord {
   /// Of the demodulator, as the elements said last [s].
   double groupDelay() const { return group_delay_; }
   std::uint32_t session() const { return session_; }
+  /// Whether the run goes on after what came: nobody said that it ended, or its last block is not
+  /// there.
+  bool cut() const;
   /// Whether the case turned at any time.
   bool rotated() const { return rotated_; }
 
@@ -68,6 +74,7 @@ class RunRecord {
   std::int64_t duration_ns_ = 0;
   double group_delay_ = 0.0;
   bool rotated_ = false;
+  std::map<std::uint32_t, std::uint64_t> ends_;  // last block by session
 };
 
 }  // namespace ring_gyro

@@ -76,6 +76,9 @@ struct RunSummary {
   std::optional<IdentificationResult> final_estimate;
   std::optional<double> converged_time;  ///< from here to the end the identifier said so [s]
   std::optional<FilterConsistency> consistency;
+  /// Why the last estimate does not fit its data, judged by its updates from converged_time on, or
+  /// by all without any; empty: it may.
+  std::string misfit;
   DriftResult before;  ///< no compensation, all locked
   DriftResult after;   ///< compensation within 1 % of its last value, up to the end
 };

@@ -2,16 +2,18 @@
 
 #include <string>
 
+#include "ring_gyro/common/whole_file.h"
+
 namespace ring_gyro {
 
 /// A file that a long run completes at its end; what there is until then is kept beside it, so that
 /// a run that fails or is killed leaves what it has found, and never over the file of an earlier
-/// run.
+/// run. Nobody else writes the file meanwhile.
 class StagedFile {
  public:
   /// Empty: nothing is written at all. Throws as WholeFile when the file, or the one beside it,
   /// cannot be written.
-  explicit StagedFile(std::string path);
+  explicit StagedFile(const std::string& path);
 
   /// What there is so far, in place of what was kept before. Nothing is kept beside what is no
   /// regular file, such as a pipe. Throws as WholeFile.
@@ -23,7 +25,7 @@ class StagedFile {
   const std::string& kept() const { return kept_; }
 
  private:
-  std::string path_;
+  WholeFile whole_;
   std::string partial_path_;  // empty: nothing is kept
   std::string kept_;
 };

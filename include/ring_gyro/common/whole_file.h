@@ -1,38 +1,39 @@
 #pragma once
 
-#include <cstdio>
+#include <optional>
 #include <string>
+
+#include "ring_gyro/common/output_file.h"
 
 namespace ring_gyro {
 
-/// One line for a file or folder that could not be written: which, the reason (an errno), the mend.
-std::string writeFault(const std::string& path, int reason);
-
-/// A file that is there whole or not at all: written beside its place, renamed by finish().
-/// Throws std::runtime_error with the line of writeFault.
+/// A text output with the promises of OutputFile. To be made before a long run: whether the file
+/// can be written is told then, and nobody else writes it meanwhile.
+///
+/// An empty path is an output that was not asked for: nothing is written.
+/// Throws std::runtime_error with one line: path, reason, mend.
 class WholeFile {
  public:
-  explicit WholeFile(std::string path);
-  ~WholeFile();
-  WholeFile(const WholeFile&) = delete;
-  WholeFile& operator=(const WholeFile&) = delete;
+  explicit WholeFile(const std::string& path);
 
   void write(const std::string& text);
+  /// The file is there. Without it nothing changes.
   void finish();
+  /// All of it at once.
+  void finish(const std::string& text);
 
  private:
-  [[noreturn]] void fail() const;
+  void flush();
 
-  std::string path_;
-  std::string temporary_;
-  std::FILE* file_ = nullptr;
+  std::optional<OutputFile> output_;
+  std::string unwritten_;
 };
 
 /// A text that is at hand as a whole. Throws as WholeFile.
 void writeWholeFile(const std::string& path, const std::string& text);
 
-/// Whether the file could be written now: to be told before a long run rather than after it.
-/// Nothing to do for an empty path. Throws as WholeFile.
+/// Whether the file could be written now, for one that is written later and more than once.
+/// Throws as WholeFile.
 void requireWritable(const std::string& path);
 
 }  // namespace ring_gyro

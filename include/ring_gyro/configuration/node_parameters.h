@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -19,8 +20,12 @@ struct NodeParameters {
   double clock_rate = 100.0;       ///< of /clock, in wall time [Hz]
   std::string imu_frame = "ring_gyro";  ///< frame_id of the sensed rate
 
+  std::string watched;             ///< nodes whose death ends the run, blanks between
+  std::string configuration_file;  ///< that these parameters come from
+  std::string calibration_read;    ///< calibration that these parameters come from too
+
   std::string bag;          ///< file that the recorder writes
-  bool record_raw = false;  ///< record samples and drive commands too
+  bool record_raw = false;  ///< samples and drive commands are recorded too
 
   std::string calibration_file;  ///< YAML that a calibration run writes
 
@@ -29,6 +34,10 @@ struct NodeParameters {
   double replay_start = 0.0;     ///< where that replay begins, from the begin of the bag [s]
   double replay_duration = 0.0;  ///< of that replay; 0: to the end of the bag [s]
   double replay_timeout = 10.0;  ///< wall time of silence that ends a replay without /clock [s]
+
+  /// Listeners that samples and drive commands must have before the first of them: the other end of
+  /// the loop, and the recorder if it wants them.
+  std::size_t blockListeners() const { return record_raw ? 2 : 1; }
 
   void declare(ParameterTable& table);
 };

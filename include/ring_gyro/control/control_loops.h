@@ -31,8 +31,12 @@ struct LoopOutput {
 /// and precession steering; one step a block.
 ///
 /// From rest it drives along x with the limit until there is an orbit to control, then closes the
-/// loops; when the orbit is lost it begins again. Samples that are not finite, or blocks that are
-/// missing, make it coast: the last drive goes on, nothing is learnt from them, the status says so.
+/// loops; when the orbit is lost it begins again. Samples or a reference that are not finite, or
+/// blocks that are missing, make it coast: the last drive goes on, nothing is learnt from them, the
+/// status says so.
+/// A block of another session restarts it. What is sent, all corrections included, stays within
+/// the drive limit on each axis; when it had to be scaled down, or the plant's converter clipped
+/// it, the status of the block in which it acted says so.
 class ControlLoops {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
@@ -41,6 +45,10 @@ class ControlLoops {
 
   /// One block in, everything out. The reference is good until the next call.
   const LoopOutput& process(const DisplacementBlock& block);
+
+  /// As newly made, with the settings it was made with: nothing that was measured, learnt or
+  /// decided before is left.
+  void restart();
 
   /// Damping compensation from the next command on.
   void setCompensation(const DampingCompensation& compensation) { compensation_ = compensation; }
@@ -58,16 +66,24 @@ class ControlLoops {
   };
   static constexpr std::size_t kDriveMemory = 64;
 
+  /// What the samples of a block are demodulated against.
+  struct Reference {
+    double phase = 0.0;      // of the NCO at the first sample [rad]
+    double frequency = 0.0;  // [rad/s]
+  };
+
   bool samplesUsable(const DisplacementBlock& block) const;
-  bool contiguous(const BlockStamp& stamp) const;
   void measure(const Eigen::Vector2cd& envelope, double period);
-  void recallActedDrive(const DisplacementBlock& block);
-  void command(const DisplacementBlock& block);
+  void recallActedDrive(const DisplacementBlock& block, const Reference& reference);
+  void command(const DisplacementBlock& block, const Reference& reference);
+  Eigen::Vector2cd sentFor(const Eigen::Vector2cd& total) const;
   DriveGains closeLoops(double theta);
   double amplitudeSetpoint() const;
 
   ControlParameters parameters_;
+  DemodulationParameters demodulation_;
   ConverterParameters converter_;
+  Calibration calibration_;  // that it was made with
   Demodulator demodulator_;
   AngleUnwrapper unwrapper_;
   LoopFilter phase_loop_;
@@ -80,6 +96,7 @@ class ControlLoops {
   LockDetector quadrature_lock_;
   LockDetector phase_lock_;
   std::int64_t blocks_to_settle_ = 0;
+  bool started_ = false;
   BlockStamp last_stamp_;
   double lead_;  // from where elements are valid to the middle of the drive they lead to [s]
   double tracked_theta_ = 0.0;

@@ -19,8 +19,8 @@ class LoopFilter {
   /// Limits in the unit of the output, lowest < highest; period of the updates [s].
   LoopFilter(LoopGains gains, double period, double lowest, double highest);
 
-  /// Output for this error.
-  double update(double error);
+  /// Output for this error. The limits hold for the sum of it and of what is added to it, `beside`.
+  double update(double error, double beside = 0.0);
   void reset(double integral = 0.0) { integral_ = integral; }
   double integral() const { return integral_; }
   bool saturated() const { return saturated_; }

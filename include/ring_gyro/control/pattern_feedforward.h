@@ -17,8 +17,11 @@ class PatternFeedforward {
   PatternFeedforward(double learning_rate, double period)
       : step_(learning_rate * period * Eigen::Vector3d(1.0, 2.0, 2.0)) {}
 
-  /// Starts afresh from a constant, in the unit of the loop's output.
-  void reset(double constant = 0.0) { amplitudes_ = {constant, 0.0, 0.0}; }
+  /// Forgets everything.
+  void reset() { amplitudes_.setZero(); }
+
+  /// Adds a constant to what is known, in the unit of the loop's output.
+  void addConstant(double constant) { amplitudes_[0] += constant; }
 
   /// What is known at pattern angle `theta` [rad], in the unit of the loop's output.
   double at(double theta) const { return amplitudes_.dot(harmonics(theta)); }

@@ -11,6 +11,7 @@
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/demodulation/orbital_elements.h"
 #include "ring_gyro/identification/averaged_step.h"
+#include "ring_gyro/identification/block_use.h"
 #include "ring_gyro/identification/envelope_input.h"
 
 namespace ring_gyro {
@@ -48,6 +49,9 @@ class BlockChain {
   /// Remembers the block when it can be used; true when everything that its elements depend on can
   /// be too. Both inputs must be of one block.
   bool admit(const OrbitalElements& elements, const ControlGains& gains, double rotation_rate);
+  /// What was found of the last block by itself; a usable one may still not be admitted, when those
+  /// before it cannot be used.
+  BlockUse lastUse() const { return use_; }
   /// The next block follows nothing.
   void reset() { usable_run_ = 0; }
 
@@ -101,11 +105,12 @@ class BlockChain {
   // A ring; its beginning stands once more behind its end, so that lanes need not be broken.
   std::array<std::array<double, kMemory + kLanes>, kKinds> memory_;
   BlockStamp last_stamp_;
-  double group_delay_ = -1.0;        // of the present run of usable blocks [s]
-  std::uint64_t whole_delay_ = 0;    // blocks in it
-  double rest_of_delay_ = 0.0;       // what is left of it [blocks]
-  std::uint64_t filter_memory_ = 1;  // blocks that go into an element
-  std::uint64_t usable_run_ = 0;     // usable blocks without a break up to now
+  double group_delay_ = -1.0;         // of the present run of usable blocks [s]
+  std::uint64_t whole_delay_ = 0;     // blocks in it
+  double rest_of_delay_ = 0.0;        // what is left of it [blocks]
+  std::uint64_t filter_memory_ = 1;   // blocks that go into an element
+  BlockUse use_ = BlockUse::kUsable;  // of the last block
+  std::uint64_t usable_run_ = 0;      // usable blocks without a break up to now
 };
 
 }  // namespace ring_gyro

@@ -66,6 +66,9 @@ class Identifier {
   /// found.
   StateMatrix covariance() const;
 
+  /// Whether the last block can be used, and if not, why.
+  BlockUse lastUse() const { return chain_.lastUse(); }
+
   std::int64_t periodBlocks() const { return period_blocks_; }
   std::uint64_t restarts() const { return restarts_; }
 

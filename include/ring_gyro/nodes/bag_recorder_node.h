@@ -11,16 +11,18 @@
 #include "ring_gyro/nodes/node_host.h"
 #include "ring_gyro/ros/bag_writer.h"
 #include "ring_gyro/ros/node_configuration.h"
+#include "ring_gyro/ros/stamp_merge.h"
 
 namespace ring_gyro {
 
-/// Writes a run to a bag, each message at its own stamp, and leaves once it has all of it.
+/// Writes a run to a bag, each message at its own stamp and all in the order of their stamps
+/// (StampMerge), and leaves once it has all of it.
 ///
 /// rosbag record keeps 100 messages a topic and drops what exceeds them, which a run many times
 /// faster than real time does; and it does not know when a run is over.
 class BagRecorderNode {
  public:
-  /// Throws ConfigurationError without a file name, rosbag::BagException when it cannot be written.
+  /// Throws ConfigurationError without a file name, std::runtime_error when it cannot be written.
   BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                   const NodeConfiguration& configuration, NodeHost host);
   ~BagRecorderNode();
@@ -28,7 +30,9 @@ class BagRecorderNode {
   BagRecorderNode& operator=(const BagRecorderNode&) = delete;
 
  private:
+  enum class Sent { kEachBlock, kEachPeriod, kOnce };
   struct Topic {
+    std::string name;
     ros::Subscriber subscriber;
     std::uint64_t complete_up_to = 0;  // block
     bool any = false;
@@ -36,14 +40,16 @@ class BagRecorderNode {
 
   /// `blockOf`: up to which block a message completes its topic.
   template <typename Message, typename BlockOf>
-  void record(const char* topic, BlockOf blockOf);
+  void record(const char* topic, BlockOf blockOf, Sent sent = Sent::kEachBlock);
   void reportProcessed();
   void finish();
 
   ros::NodeHandle handle_;
   NodeHost host_;
   std::uint64_t period_blocks_;  // of the identifier
+  std::int64_t period_ns_;       // from the first to the last block of a period
   BagWriter writer_;
+  StampMerge order_;
   bool finished_ = false;
   std::list<Topic> topics_;
   Departure departure_;

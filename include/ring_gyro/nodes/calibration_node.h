@@ -13,7 +13,9 @@
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
 #include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/refusals.h"
 #include "ring_gyro/nodes/start_gate.h"
+#include "ring_gyro/nodes/use_watch.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/pair_merge.h"
@@ -43,7 +45,9 @@ class CalibrationNode {
   void fail(const std::string& why);
   void leave();
   void finish();
-  void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  template <typename Message, typename Signal>
+  void add(const char* topic, const Message& message, Signal& signal);
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle handle_;
   NodeParameters parameters_;
@@ -53,6 +57,11 @@ class CalibrationNode {
   PairMerge merge_;
   OrbitalElements elements_;
   ControlGains gains_;
+  std::int64_t block_duration_ns_;
+  Refusals refusals_;
+  std::uint64_t usable_ = 0;
+  UnusableBlocks unusable_;
+  UseWatch use_;
   std::optional<BlockStamp> last_;
   std::optional<CalibrationCommand> command_;
   StagedFile file_;

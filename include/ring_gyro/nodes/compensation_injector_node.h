@@ -15,14 +15,17 @@
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
 #include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/refusals.h"
 #include "ring_gyro/nodes/start_gate.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"
+#include "ring_gyro/ros/time_guard.h"
 
 namespace ring_gyro {
 
 /// Decides on the compensation: ParameterEstimate in, CompensationGains out (latched), one for each
-/// estimate. Services ~enable, ~hold and ~reset act from the next decision on.
+/// estimate. Services ~enable, ~hold and ~reset act from the next decision on. An estimate whose
+/// numbers cannot be is one that has not converged: there is a decision, and the gains stay.
 class CompensationInjectorNode {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
@@ -40,7 +43,10 @@ class CompensationInjectorNode {
 
   ros::NodeHandle handle_;
   std::uint64_t period_blocks_;
+  std::int64_t block_duration_ns_;
   CompensationInjector injector_;
+  TimeGuard guard_;
+  Refusals refusals_;
   ParameterEstimate estimate_;
   std::optional<CompensationDecision> decision_;
   std::uint64_t decisions_ = 0;

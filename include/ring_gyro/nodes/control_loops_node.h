@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
 #include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/reader_wait.h"
+#include "ring_gyro/nodes/refusals.h"
 #include "ring_gyro/nodes/start_gate.h"
 #include "ring_gyro/ros/message_pool.h"
 #include "ring_gyro/ros/messages.h"
@@ -32,6 +35,9 @@ namespace ring_gyro {
 /// With compensation or in a calibration run the loops are told what to do each period. In lockstep
 /// the block whose drive a decision is for waits for that decision, so that the timing of threads
 /// cannot change a run. In real time decisions apply when they arrive and late ones are counted.
+///
+/// A block whose numbers cannot be is answered too, as one with invalid samples: the loops coast,
+/// and the phase of the NCO goes on from their last command.
 class ControlLoopsNode {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
@@ -46,7 +52,10 @@ class ControlLoopsNode {
   template <typename Message, typename Decision>
   ros::Subscriber subscribeDecisions(const char* topic, DecisionQueue<Decision>& decisions);
   void processWaiting();
+  bool mustWait(const BlockMessage& message);
   bool mustWaitForDecision(const BlockMessage& message) const;
+  bool isNew(const BlockMessage& message);
+  void read(const BlockMessage& message);
   void applyDecisions();
   void process(const BlockMessage& message);
   void publish(const LoopOutput& output);
@@ -65,9 +74,13 @@ class ControlLoopsNode {
   ControlLoops loops_;
   DisplacementBlock block_;
   TimeGuard guard_;
-  BlockMessage::ConstPtr waiting_;  // for the decision that its answer must use
+  std::optional<std::uint32_t> unconfirmed_session_;  // of which one block has come, not its first
+  BlockMessage::ConstPtr waiting_;  // for the decision that its answer must use, or for readers
   DecisionQueue<CompensationDecision> compensation_decisions_;
   DecisionQueue<CalibrationCommand> calibration_commands_;
+  std::int64_t block_duration_ns_;
+  DriveCommand last_command_;
+  BlockStamp last_answered_;
   LoopStatus status_;
   double amplitude_ = 0.0;
   double theta_rate_ = 0.0;
@@ -86,6 +99,8 @@ class ControlLoopsNode {
   Output elements_;
   Output gains_;
   Output imu_;
+  ReaderWait reader_wait_;
+  Refusals refusals_;
   ros::Subscriber displacement_subscriber_;
   ros::Subscriber decision_subscriber_;
   ros::WallTimer watch_timer_;

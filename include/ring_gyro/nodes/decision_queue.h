@@ -5,20 +5,24 @@
 #include <deque>
 #include <utility>
 
+#include "ring_gyro/nodes/queue_limits.h"
+
 namespace ring_gyro {
 
 /// Decisions on their way to the loops, each made from the data of one period and in force from the
 /// drive of block `effective_sequence`, one period later, until the next one.
 ///
 /// In lockstep the block whose answer needs a decision that has not come yet is made to wait for
-/// it, so that the timing of threads cannot change a run. `Decision` has a session and an
-/// effective_sequence.
+/// it, so that the timing of threads cannot change a run. Nothing waits for a decision that has
+/// been used up, or whose data this node has not seen: it would not come. `Decision` has a session
+/// and an effective_sequence.
 template <typename Decision>
 class DecisionQueue {
  public:
   struct Counts {
     std::uint64_t late = 0;     ///< came when the block that they were for had been answered
     std::uint64_t foreign = 0;  ///< of another session: left out
+    std::uint64_t early = 0;    ///< beyond what can wait, those of the latest blocks: left out
   };
 
   /// `period_blocks`: from one decision to the next.
@@ -31,13 +35,27 @@ class DecisionQueue {
       return;
     }
     if (applied_any_ && decision.effective_sequence <= applied_up_to_) ++counts_.late;
-    waiting_.push_back(std::move(decision));
+    // In the order of their blocks, whatever the order in which they come.
+    const auto after =
+        std::upper_bound(waiting_.begin(), waiting_.end(), decision.effective_sequence,
+                         [](std::uint64_t block, const Decision& other) {
+                           return block < other.effective_sequence;
+                         });
+    waiting_.insert(after, std::move(decision));
+    if (waiting_.size() <= kMostDecisions) return;
+    waiting_.pop_back();
+    ++counts_.early;
   }
 
   /// Whether a decision is due with the drive of block `acts_in` and has not come. None is due in
   /// the first period and the one after it.
   bool mustWaitFor(std::uint32_t session, std::uint64_t acts_in) const {
     if (acts_in % period_blocks_ != 0 || acts_in < 2 * period_blocks_) return false;
+    if (applied_any_) {
+      const bool used_up = session == session_ && acts_in <= applied_up_to_;
+      const bool data_seen = session == session_ && acts_in - period_blocks_ >= first_applied_;
+      if (used_up || !data_seen) return false;
+    }
     return std::none_of(waiting_.begin(), waiting_.end(), [&](const Decision& decision) {
       return decision.session == session && decision.effective_sequence == acts_in;
     });
@@ -47,6 +65,7 @@ class DecisionQueue {
   /// applied.
   template <typename Apply>
   void applyDue(std::uint32_t session, std::uint64_t acts_in, Apply apply) {
+    if (!applied_any_ || session != session_) first_applied_ = acts_in;
     applied_any_ = true;
     session_ = session;
     applied_up_to_ = acts_in;
@@ -69,6 +88,7 @@ class DecisionQueue {
   std::deque<Decision> waiting_;
   bool applied_any_ = false;
   std::uint32_t session_ = 0;
+  std::uint64_t first_applied_ = 0;  // block, of the session
   std::uint64_t applied_up_to_ = 0;  // block
   Counts counts_;
 };

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "ring_gyro/configuration/node_parameters.h"
@@ -18,19 +19,31 @@ namespace ring_gyro {
 /// Ends a node in order: when the plant has announced the last block and the node has dealt with
 /// it, the node takes its leave of its inputs, waits until those who read its outputs have done so
 /// too (nothing on the way to them is lost), and finishes.
+///
+/// Only the end of the session that the node is in counts. A node that has seen no data yet keeps
+/// what was announced until its first block tells of which session it is: the latched end of an
+/// earlier run ends nobody. When data of a new session come, the end of the one before is void.
 class Departure {
  public:
   /// `leave`: ends the node's subscriptions and whatever it has to conclude; called once.
   Departure(ros::NodeHandle& handle, const NodeParameters& parameters, NodeHost host,
             std::vector<Output> outputs, std::function<void()> leave);
 
-  /// The plant has announced its last block.
+  /// The plant has announced the last block of the session that the node is in.
   bool announced() const { return announced_; }
+
+  /// A message of this session has come; cheap, to be called for each.
+  void inSession(std::uint32_t session) {
+    if (!in_session_ || session != session_) enterSession(session);
+  }
+
+  /// Ends of other sessions that were announced and left out.
+  std::uint64_t foreign() const { return foreign_; }
 
   /// The node has nothing more to do, whatever the plant may announce.
   void leaveNow();
 
-  /// The node has dealt with this block; cheap, to be called for each.
+  /// The node has dealt with this block of its session; cheap, to be called for each.
   void processed(std::uint64_t sequence) {
     last_processed_ = sequence;
     any_processed_ = true;
@@ -39,6 +52,9 @@ class Departure {
 
  private:
   void onEndOfRun(const ring_gyro_msgs::EndOfRun& message);
+  void enterSession(std::uint32_t session);
+  void announce(const ring_gyro_msgs::EndOfRun& message);
+  void leaveOut(const ring_gyro_msgs::EndOfRun& message);
   void leaveIfDone();
   void leave();
   void tick();
@@ -48,6 +64,10 @@ class Departure {
   NodeHost host_;
   std::vector<Output> outputs_;
   std::function<void()> leave_;
+  bool in_session_ = false;
+  std::uint32_t session_ = 0;
+  std::optional<ring_gyro_msgs::EndOfRun> early_;  // came before any data
+  std::uint64_t foreign_ = 0;
   bool announced_ = false;
   bool leaving_ = false;
   bool any_processed_ = false;

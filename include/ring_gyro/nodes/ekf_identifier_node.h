@@ -6,12 +6,15 @@
 #include <cstdint>
 #include <memory>
 
+#include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/nodes/departure.h"
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
 #include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/refusals.h"
 #include "ring_gyro/nodes/replay_end.h"
 #include "ring_gyro/nodes/start_gate.h"
+#include "ring_gyro/nodes/use_watch.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/stream_identifier.h"
@@ -23,23 +26,28 @@ namespace ring_gyro {
 /// and then writes the report that the tool `identify` makes of a bag, if it is told where.
 class EkfIdentifierNode {
  public:
-  /// Throws std::invalid_argument naming what cannot be used.
+  /// Throws std::invalid_argument naming what cannot be used, std::runtime_error when the report
+  /// cannot be written.
   EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                     const NodeConfiguration& configuration, NodeHost host);
 
  private:
   void start();
   void take(const ParameterEstimate& estimate, const StateMatrix& covariance);
-  void processed();
+  template <typename Message>
+  void add(const char* topic, const Message& message);
   void leave();
-  void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle handle_;
   NodeHost host_;
   LoopConfiguration configuration_;
   NodeParameters parameters_;
+  WholeFile report_file_;
   StreamIdentifier identifier_;
   std::uint64_t not_delivered_ = 0;  // of the bag that is replayed
+  Refusals refusals_;
+  UseWatch use_;
 
   Output estimate_output_;
   ros::Subscriber elements_subscriber_;

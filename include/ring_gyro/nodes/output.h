@@ -2,17 +2,27 @@
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
+#include <ros/serialization.h>
 #include <ros/single_subscriber_publisher.h>
+#include <ros/topic_manager.h>
 
+#include <atomic>
+#include <boost/shared_array.hpp>
+#include <boost/shared_ptr.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <typeinfo>
 #include <vector>
+
+#include "ring_gyro/nodes/queue_limits.h"
 
 namespace ring_gyro {
 
-/// A topic that a node publishes, with queues that lose nothing, and who listens to it by name.
+/// A topic that a node publishes, who listens to it by name, and how far the slowest of those in
+/// other processes is behind. Each has a queue of kOutputQueue messages; beyond that it loses the
+/// oldest, which it sees by sequence.
 class Output {
  public:
   Output() = default;
@@ -23,8 +33,9 @@ class Output {
   static Output advertise(ros::NodeHandle& handle, const std::string& topic, bool latched = false) {
     Output output;
     const std::shared_ptr<Names> names = output.names_;
+    output.latched_ = latched;
     output.publisher_ = handle.advertise<Message>(
-        topic, kUnlimited,
+        topic, kOutputQueue,
         [names](const ros::SingleSubscriberPublisher& who) {
           add(*names, who.getSubscriberName());
         },
@@ -32,27 +43,61 @@ class Output {
           remove(*names, who.getSubscriberName());
         },
         ros::VoidConstPtr(), latched);
+    output.topic_ = output.publisher_.getTopic();
     return output;
   }
 
-  template <typename MessagePointer>
-  void publish(const MessagePointer& message) const {
-    publisher_.publish(message);
+  template <typename Message>
+  void publish(const boost::shared_ptr<Message>& message) const {
+    if (latched_) {
+      publisher_.publish(message);
+      return;
+    }
+    if (waiting() >= kOutputQueue) ++transit_->overflows;
+    // As ros::Publisher does it, with bytes that tell when they have left.
+    ros::SerializedMessage shared;
+    shared.type_info = &typeid(Message);
+    shared.message = message;
+    ros::TopicManager::instance()->publish(
+        topic_, [this, &message] { return inTransit(*message); }, shared);
   }
 
+  /// Messages on their way to the slowest reader in another process; latched topics: 0.
+  std::size_t waiting() const { return transit_->waiting.load(std::memory_order_relaxed); }
+  /// How often a message was published while a reader's queue was full, and so lost another.
+  std::uint64_t overflows() const { return transit_->overflows; }
+
   std::size_t subscribers() const { return publisher_.getNumSubscribers(); }
-  std::string topic() const { return publisher_.getTopic(); }
+  const std::string& topic() const { return topic_; }
+  bool hasListener(const std::string& node) const;
   /// Nodes that listen, "/a, /b"; "nobody".
   std::string listeners() const;
 
  private:
   using Names = std::vector<std::string>;
-  static constexpr std::uint32_t kUnlimited = 0;
+  struct Transit {
+    std::atomic<std::size_t> waiting{0};
+    std::uint64_t overflows = 0;
+  };
 
   static void add(Names& names, const std::string& name);
   static void remove(Names& names, const std::string& name);
 
+  template <typename Message>
+  ros::SerializedMessage inTransit(const Message& message) const {
+    ros::SerializedMessage serialised = ros::serialization::serializeMessage(message);
+    const boost::shared_array<std::uint8_t> bytes = serialised.buf;
+    transit_->waiting.fetch_add(1, std::memory_order_relaxed);
+    serialised.buf.reset(bytes.get(), [bytes, transit = transit_](std::uint8_t*) {
+      transit->waiting.fetch_sub(1, std::memory_order_relaxed);
+    });
+    return serialised;
+  }
+
+  bool latched_ = false;
+  std::string topic_;
   ros::Publisher publisher_;
+  std::shared_ptr<Transit> transit_ = std::make_shared<Transit>();
   std::shared_ptr<Names> names_ = std::make_shared<Names>();
 };
 

@@ -13,6 +13,8 @@
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
 #include "ring_gyro/nodes/output.h"
+#include "ring_gyro/nodes/reader_wait.h"
+#include "ring_gyro/nodes/refusals.h"
 #include "ring_gyro/nodes/start_gate.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 #include "ring_gyro/ros/message_pool.h"
@@ -36,6 +38,8 @@ class PlantSimulatorNode {
 
   void start();
   void onDriveCommand(const ring_gyro_msgs::DriveCommand& message);
+  bool accepts(const ring_gyro_msgs::DriveCommand& message);
+  void goOn();
   void step();
   void onRealTimeTick();
   void publish(const DisplacementBlock& block);
@@ -44,6 +48,7 @@ class PlantSimulatorNode {
   void endRun();
   void watch();
   void watchSilence();
+  void watchNodes();
   void reportProgress();
   void waitForListeners();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
@@ -61,14 +66,15 @@ class PlantSimulatorNode {
   std::int64_t start_ns_;
   PlantSimulator plant_;
   DriveCommand command_;
-  bool commanded_ = false;  // real time: a command has come since the last block
+  bool commanded_ = false;    // real time: a command has come since the last block
+  bool any_command_ = false;  // a command has been taken at all
+  bool coasts_ = false;       // lockstep: the answer was refused, the last drive goes on
   BlockStamp last_;
   bool started_ = false;
   bool ended_ = false;
 
   std::uint64_t coasted_ = 0;
   std::uint64_t late_ = 0;
-  std::uint64_t rejected_ = 0;
   int silent_ticks_ = 0;
   int ticks_ = 0;
   int ending_ticks_ = 0;
@@ -83,6 +89,8 @@ class PlantSimulatorNode {
   Output displacement_;
   Output truth_;
   Output end_of_run_;
+  ReaderWait reader_wait_;
+  Refusals refusals_;
   ros::Publisher clock_;
   ros::Subscriber drive_subscriber_;
   std::unique_ptr<StartGate> gate_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ros/node_handle.h>
+#include <ros/subscriber.h>
 #include <ros/wall_timer.h>
 
 #include <cstddef>
@@ -11,8 +12,9 @@
 
 namespace ring_gyro {
 
-/// Holds a node back until its outputs have the listeners they must have. As each node of the chain
-/// takes no input before, nothing of a run is lost, in whatever order the nodes came up.
+/// Holds a node back until its outputs have the listeners they must have, and the inputs that
+/// answer them their publishers. As each node of the chain takes no input before, nothing of a run
+/// is lost, in whatever order the nodes came up or are started again.
 class StartGate {
  public:
   struct Requirement {
@@ -22,12 +24,13 @@ class StartGate {
 
   /// Calls `start` once, from the callback queue of `handle`. Says now and then what is missing.
   StartGate(ros::NodeHandle& handle, std::vector<Requirement> requirements,
-            std::function<void()> start);
+            std::function<void()> start, std::vector<ros::Subscriber> answers = {});
 
  private:
   void check();
 
   std::vector<Requirement> requirements_;
+  std::vector<ros::Subscriber> answers_;
   std::function<void()> start_;
   int checks_ = 0;
   ros::WallTimer timer_;

@@ -66,6 +66,9 @@ class PlantSimulator {
   /// table at command, constant over a block. A rate that is not finite is refused
   /// (std::domain_error).
   void setRotationRate(double rate);
+  /// Temperature deviation [K] from the next block on, beside what temperature_rate brings: a step.
+  /// One that is not finite is refused (std::domain_error).
+  void setTemperature(double deviation);
 
   /// Truth at the end of the last block.
   PlantTruth truth() const;

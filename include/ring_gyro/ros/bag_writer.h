@@ -2,20 +2,28 @@
 
 #include <rosbag/bag.h>
 
+#include <cerrno>
 #include <cstdint>
+#include <exception>
+#include <memory>
+#include <stdexcept>
 #include <string>
 
+#include "ring_gyro/common/output_file.h"
 #include "ring_gyro/ros/messages.h"
 
 namespace ring_gyro {
 
-/// A bag (lz4) that exists under its name only when it is whole: it is written beside it as
-/// NAME.active and renamed by finish(). A bag that is not finished is closed and keeps the other
-/// name.
+/// A bag (lz4) with the promises of OutputFile. Until it is whole its name is NAME.xxxxxx.active,
+/// with six letters of its own; a bag that is not finished, or whose writer is killed, keeps that
+/// name, and identify and rosbag reindex read it as far as it goes. What cannot seek (a pipe) gets
+/// the whole bag by finish().
+///
+/// Throws std::runtime_error with one line: path, reason, mend, and where what was written until
+/// then is.
 class BagWriter {
  public:
-  /// Throws rosbag::BagException when the file cannot be written.
-  explicit BagWriter(std::string path);
+  explicit BagWriter(const std::string& path);
   ~BagWriter();
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
@@ -24,24 +32,38 @@ class BagWriter {
   /// written.
   template <typename Message>
   void write(const std::string& topic, const Message& message) {
-    bag_.write(topic, message.header.stamp, message);
+    require(topic, message.header.stamp);
+    guarded([&] { bag_->write(topic, message.header.stamp, message); });
     ++messages_;
   }
 
-  /// Closes and renames. Throws rosbag::BagException or std::runtime_error when that fails.
+  /// Closes; the bag is there.
   void finish();
   /// Closes and deletes: for data that turns out not to be fit for use.
   void discard() noexcept;
 
-  const std::string& path() const { return path_; }
+  const std::string& path() const { return output_.path(); }
   std::uint64_t messages() const { return messages_; }
 
  private:
-  std::string path_;
-  std::string active_path_;
-  rosbag::Bag bag_;
+  template <typename Action>
+  void guarded(Action action) {
+    try {
+      errno = 0;  // rosbag does not say why it could not write
+      action();
+    } catch (const std::exception& error) {
+      giveUp(errno, error.what());
+    }
+  }
+  void require(const std::string& topic, const ros::Time& stamp);
+  [[noreturn]] void giveUp(int reason, const std::string& what);
+  [[noreturn]] void fail(const std::string& fault);
+  void close();
+
+  OutputFile output_;
+  std::unique_ptr<rosbag::Bag> bag_;
+  std::string fault_;
   std::uint64_t messages_ = 0;
-  bool finished_ = false;
 };
 
 }  // namespace ring_gyro

@@ -36,6 +36,8 @@ void toMessage(const OrbitalElements& elements, ring_gyro_msgs::OrbitalElements&
 void fromMessage(const ring_gyro_msgs::OrbitalElements& message, OrbitalElements& elements);
 
 void toMessage(const ControlGains& gains, ring_gyro_msgs::ControlGains& message);
+/// The drive is the sum of its parts; a message whose parts are all zero has its total instead,
+/// which then stands as the sustain drive.
 void fromMessage(const ring_gyro_msgs::ControlGains& message, ControlGains& gains);
 
 void toMessage(const ParameterEstimate& estimate, const StateMatrix& covariance,
@@ -56,7 +58,8 @@ void toMessage(const PlantTruth& truth, ring_gyro_msgs::PlantTruth& message);
 void fromMessage(const ring_gyro_msgs::PlantTruth& message, PlantTruth& truth);
 
 /// Rate and angle of the case about z as REP 145 wants them: of a pattern that turns by -k times
-/// the rotation. Covariances are unknown (zero), there is no accelerometer (-1). `angular_gain`: k.
+/// the rotation. Stamped when the angle is valid, a group delay before the block's end. Covariances
+/// are unknown (zero), there is no accelerometer (-1). `angular_gain`: k.
 void toMessage(const OrbitalElements& elements, double angular_gain, const std::string& frame,
                sensor_msgs::Imu& message);
 

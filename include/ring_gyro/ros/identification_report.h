@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "ring_gyro/identification/block_use.h"
+#include "ring_gyro/identification/consistency.h"
 #include "ring_gyro/identification/parameter_estimate.h"
 #include "ring_gyro/ros/pair_merge.h"
 #include "ring_gyro/ros/time_guard.h"
@@ -12,7 +14,7 @@
 
 namespace ring_gyro {
 
-/// Pairs that could not be used, by the first reason found.
+/// Pairs that could not be used, by the first reason found (BlockUse).
 struct UnusableBlocks {
   std::uint64_t not_finite = 0;
   std::uint64_t no_amplitude = 0;    ///< a not above |b|: all zero, or no ellipse
@@ -20,7 +22,27 @@ struct UnusableBlocks {
   std::uint64_t invalid_samples = 0;
   std::uint64_t saturated = 0;  ///< converter or drive
   std::uint64_t not_locked = 0;
+  std::uint64_t impossible = 0;     ///< a number that cannot be, such as a negative group delay
+  std::uint64_t contradiction = 0;  ///< a drive that is not the sum of its parts
+  std::uint64_t no_frequency = 0;   ///< a reference frequency that is not above zero
+  std::uint64_t group_delay = 0;    ///< longer than the identifier remembers
+
+  void add(BlockUse use);
+  UnusableBlocks operator-(const UnusableBlocks& earlier) const;
+  std::uint64_t total() const;
 };
+
+/// A reason and how many blocks it was found against.
+struct UnusableReason {
+  const char* key;   ///< for programs
+  const char* text;  ///< for people, after a number
+  std::uint64_t blocks;
+  bool always;  ///< in reports also when it did not occur
+};
+/// Every reason, those that never occurred too.
+std::vector<UnusableReason> reasonsOf(const UnusableBlocks& unusable);
+/// The reason of most, "5500 not locked"; empty when there is none.
+std::string mainReasonOf(const UnusableBlocks& unusable);
 
 /// What identification made of a stream of messages, live, replayed or read from a bag.
 struct IdentificationReport {
@@ -43,20 +65,13 @@ struct IdentificationReport {
   std::uint64_t alone_at_end = 0;    ///< and where it ended
   std::uint64_t before_start = 0;    ///< pairs before the sequence that was asked for
   UnusableBlocks unusable;
+  std::string first_refused;           ///< the first message with numbers that cannot be, and why
   double frequency_sum = 0.0;          ///< of the NCO over usable blocks [rad/s]
   std::uint64_t usable = 0;            ///< blocks with nothing wrong
   std::int64_t wrong_duration_ns = 0;  ///< the first duration that was wrong
 
   std::uint64_t not_delivered = 0;  ///< messages in the bag that its replay did not deliver
 };
-
-/// Where a mean normalised innovation squared lies in 95 % of runs of a consistent filter, whose
-/// expected value is 2, the degrees of freedom.
-struct NisBounds {
-  double lower = 0.0;
-  double upper = 0.0;
-};
-NisBounds nisBounds(std::uint64_t updates);
 
 /// A report, and what it is of.
 struct IdentificationResult {
@@ -67,7 +82,10 @@ struct IdentificationResult {
 
 /// Why there is nothing to rely on, one line with the mend; empty: identified.
 std::string failureOf(const IdentificationReport& report, const LoopConfiguration& configuration);
-/// What was wrong with the data although parameters came out, one line each.
+/// Why the parameters that came out are not to be relied on, one line with the mend; empty: the
+/// data fit the model. Judged by the updates since it first said converged, or by all without any.
+std::string misfitOf(const IdentificationReport& report);
+/// What was wrong with the data although parameters came out, or with their fit, one line each.
 std::vector<std::string> faultsOf(const IdentificationReport& report,
                                   const LoopConfiguration& configuration);
 

@@ -1,25 +1,16 @@
 #pragma once
 
 #include <ros/time.h>
-#include <rosbag/bag.h>
 
 #include <cstdint>
 #include <functional>
-#include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "ring_gyro/ros/bag_scanner.h"
+#include "ring_gyro/ros/bag_file.h"
 #include "ring_gyro/ros/messages.h"
 
 namespace ring_gyro {
-
-/// One line: file, what is wrong, the mend.
-class BagError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Topics to identify from. Empty: the only one of its type.
 struct LoopTopics {
@@ -38,8 +29,8 @@ void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::OrbitalEle
 void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::ControlGains& message);
 
 /// A recorded run as the identifier needs it: orbital elements and control gains, in the order of
-/// bag time, other topics left where they are. A bag whose index is missing or cut off is read from
-/// front to back as far as it goes.
+/// bag time, other topics left where they are. A bag whose index is missing or cut off is read as
+/// far as it goes.
 class LoopBag {
  public:
   using OnElements = std::function<void(const ring_gyro_msgs::OrbitalElements&, const ros::Time&)>;
@@ -51,16 +42,20 @@ class LoopBag {
   explicit LoopBag(std::string path, const LoopTopics& topics = {});
 
   /// Messages with bag time in [from, to], all of them, the last too. Throws what the sinks throw.
+  /// `others`: who gets messages of further connections in the same pass.
   void read(const OnElements& on_elements, const OnGains& on_gains,
-            const ros::Time& from = ros::TIME_MIN, const ros::Time& to = ros::TIME_MAX);
+            const ros::Time& from = ros::TIME_MIN, const ros::Time& to = ros::TIME_MAX,
+            BagSinks others = {});
   /// The same without taking the messages apart.
-  void read(const OnSerialised& on_message, const ros::Time& from, const ros::Time& to);
+  void read(const OnSerialised& on_message, const ros::Time& from, const ros::Time& to,
+            BagSinks others = {});
 
-  const std::string& path() const { return path_; }
-  bool hasIndex() const { return bag_ != nullptr; }
+  const std::string& path() const { return file_.path(); }
+  bool hasIndex() const { return file_.hasIndex(); }
+  const BagFile& file() const { return file_; }
   /// Bag time of the first and the last message of any topic, as rosbag play has it.
-  ros::Time begin() const { return begin_; }
-  ros::Time end() const { return end_; }
+  ros::Time begin() const { return file_.begin(); }
+  ros::Time end() const { return file_.end(); }
   const std::string& elementsTopic() const { return elements_.topic; }
   const std::string& gainsTopic() const { return gains_.topic; }
   /// Messages that read() would deliver, and the bag time of the last; only with an index.
@@ -71,7 +66,7 @@ class LoopBag {
   Content content(const ros::Time& from, const ros::Time& to) const;
 
   /// What could not be read up to now, one line each.
-  const std::vector<std::string>& damage() const { return damage_; }
+  const std::vector<std::string>& damage() const { return file_.damage(); }
 
  private:
   struct Topic {
@@ -79,33 +74,13 @@ class LoopBag {
     std::vector<std::uint32_t> connections;
   };
 
-  struct Delivered {
-    std::uint64_t elements = 0;
-    std::uint64_t gains = 0;
-  };
-
-  void open();
-  void openWithIndex();
-  void openByScan(const std::string& why);
   template <typename Message>
   Topic choose(const std::string& wanted, const char* usual_name) const;
-  bool wanted(std::uint32_t connection) const;
-  /// False when a message cannot be read; `delivered` were.
-  bool readWithIndex(const OnSerialised& on_message, const ros::Time& from, const ros::Time& to,
-                     Delivered& delivered);
-  /// `delivered`: how many of each topic are known already.
-  BagScan readByScan(const OnSerialised& on_message, const ros::Time& from, const ros::Time& to,
-                     Delivered delivered);
   [[noreturn]] void fail(const std::string& what) const;
 
-  std::string path_;
-  std::unique_ptr<rosbag::Bag> bag_;
-  std::vector<BagConnection> connections_;
+  BagFile file_;
   Topic elements_;
   Topic gains_;
-  ros::Time begin_;
-  ros::Time end_;
-  std::vector<std::string> damage_;
 };
 
 }  // namespace ring_gyro

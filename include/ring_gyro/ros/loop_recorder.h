@@ -13,12 +13,12 @@ namespace ring_gyro {
 class LoopRecorder {
  public:
   /// `raw`: the displacement blocks and drive commands too, by far the largest.
-  /// Throws rosbag::BagException when the file cannot be written.
+  /// Throws std::runtime_error when the file cannot be written, as everything here does.
   LoopRecorder(const std::string& path, bool raw);
 
   void write(const LoopRecord& record);
-  /// `last`: stamp of the last block written.
-  void finish(const BlockStamp& last);
+  /// `last`: stamp of the last block; `cut`: the run was to go on, so that nobody announces an end.
+  void finish(const BlockStamp& last, bool cut = false);
 
   std::uint64_t messages() const { return writer_.messages(); }
 

@@ -16,7 +16,8 @@ struct NodeConfiguration {
 /// All parameters in the namespace of `private_handle`, less those that belong to ROS packages.
 YAML::Node parametersOf(const ros::NodeHandle& private_handle);
 
-/// Reads and checks the private parameters of a node. Throws ConfigurationError.
+/// Reads and checks the private parameters of a node. Throws ConfigurationError, and
+/// std::runtime_error when an output is the same file as an input or as another output.
 NodeConfiguration readNodeConfiguration(const ros::NodeHandle& private_handle);
 
 }  // namespace ring_gyro

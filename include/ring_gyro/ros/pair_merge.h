@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -17,13 +18,22 @@ namespace ring_gyro {
 /// different blocks, the partner of the older one can never come: it is dropped and counted. What
 /// is older follows from the data alone, never from a timeout. Within a session: fewer steps back
 /// of its topic, then the smaller sequence. Of two sessions: the one that its topic too leaves for
-/// the other's. Duplicates and zero stamps are left out and counted.
+/// the other's. Duplicates, zero stamps and what goes on in a session that was left are left out
+/// and counted.
+///
+/// When one topic falls silent the other does not wait for ever: of more than kMostWaiting blocks
+/// the oldest is taken for one whose partner was lost, and counted.
 class PairMerge {
  public:
+  /// Blocks of one topic that wait for the other, two minutes of 1 ms: more than what the sockets
+  /// between two nodes can hold, so that no loss depends on the order in which they are read.
+  static constexpr std::size_t kMostWaiting = 1 << 17;
+
   struct Counts {
     std::uint64_t pairs = 0;
     std::uint64_t elements_alone = 0;  ///< elements whose gains were lost
     std::uint64_t gains_alone = 0;     ///< gains whose elements were lost
+    std::uint64_t overdue = 0;         ///< of both: partner not there kMostWaiting blocks later
   };
   using Sink = std::function<void(const OrbitalElements&, const ControlGains&)>;
 
@@ -37,6 +47,7 @@ class PairMerge {
   void flush();
 
   const Counts& counts() const { return counts_; }
+  std::size_t waiting() const { return elements_.waiting.size() + gains_.waiting.size(); }
   const TimeGuard::Counts& elementsCounts() const { return elements_.guard.counts(); }
   const TimeGuard::Counts& gainsCounts() const { return gains_.guard.counts(); }
 
@@ -45,6 +56,7 @@ class PairMerge {
   struct Waiting {
     Signal signal;
     std::uint64_t steps_back;  // of the topic in this session, before this signal
+    std::uint64_t sessions;    // of the topic, before this signal
   };
   template <typename Signal>
   struct Topic {
@@ -55,6 +67,10 @@ class PairMerge {
 
   template <typename Signal>
   bool usable(Topic<Signal>& topic, const Signal& signal);
+  template <typename Signal>
+  static bool reached(const std::deque<Waiting<Signal>>& waiting, std::uint32_t session);
+  template <typename Signal>
+  void wait(Topic<Signal>& topic, const Signal& signal, std::uint64_t& alone);
   enum class Older { kElements, kGains, kNotYetKnown };
   Older older() const;
   void merge();

@@ -21,10 +21,11 @@ struct RecordedPair {
 struct RecordedRun {
   std::vector<RecordedPair> pairs;
   std::optional<PlantTruth> truth;  ///< the last, of a simulated run
+  std::vector<std::string> damage;  ///< what could not be read, one line each
 };
 
 /// Reads one run, which may be split over several bags: pairs by PairMerge, the truth where a bag
-/// has it and an index. `start` and `duration` (0: to the end) in bag time from the begin [s].
+/// has it. `start` and `duration` (0: to the end) in bag time from the begin [s].
 /// Throws BagError.
 RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTopics& topics = {},
                             double start = 0.0, double duration = 0.0);

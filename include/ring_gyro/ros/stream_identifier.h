@@ -6,6 +6,7 @@
 
 #include "ring_gyro/identification/identifier.h"
 #include "ring_gyro/ros/identification_report.h"
+#include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/pair_merge.h"
 #include "ring_gyro/simulation/loop_configuration.h"
@@ -26,15 +27,18 @@ class StreamIdentifier {
   StreamIdentifier(const StreamIdentifier&) = delete;
   StreamIdentifier& operator=(const StreamIdentifier&) = delete;
 
-  void add(const ring_gyro_msgs::OrbitalElements& message);
-  void add(const ring_gyro_msgs::ControlGains& message);
+  /// What is wrong with the message; then its block is one that cannot be used.
+  MessageFault add(const ring_gyro_msgs::OrbitalElements& message);
+  MessageFault add(const ring_gyro_msgs::ControlGains& message);
   void add(const OrbitalElements& elements) { merge_.add(elements); }
   void add(const ControlGains& gains) { merge_.add(gains); }
   /// The input has ended.
   void flush();
 
-  /// Of the last pair.
-  std::uint64_t lastSequence() const { return report_.last.sequence; }
+  /// Of the last pair; null before the first.
+  const BlockStamp* last() const { return merge_.counts().pairs > 0 ? &report_.last : nullptr; }
+  /// Elements and gains without their partner so far.
+  std::size_t waiting() const { return merge_.waiting(); }
   IdentificationReport report() const;
 
  private:

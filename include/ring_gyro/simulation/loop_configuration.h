@@ -25,6 +25,8 @@ struct RunParameters {
   std::int64_t startNanoseconds() const;
   /// `session`, or one from the wall clock that no other start shares.
   std::uint32_t sessionIdentifier() const;
+  /// What `session` has to be for another start to be told from this one.
+  std::int64_t followingSession() const;
   /// Blocks in `duration`; 0: until stopped.
   std::uint64_t blocks(const ConverterParameters& converter) const;
   void declare(ParameterTable& table);
@@ -54,6 +56,8 @@ struct LoopConfiguration {
   ExtendedParameters extended;
   InjectorParameters compensation;
   CalibrationRunParameters calibration_run;
+  /// Files that it was read from, that of the rotation included: no output may be one of them.
+  std::vector<std::string> files;
 
   /// The sections in the order of the file: run, converter, device, resonator, sense, drive,
   /// rotation, demodulation, control, calibration, identification, extended, compensation,

@@ -1,0 +1,116 @@
+#include "ring_gyro/common/output_target.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+#include <tuple>
+
+#include "ring_gyro/common/write_fault.h"
+
+namespace ring_gyro {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMostLinks = 40;  // as the kernel
+
+[[noreturn]] void fail(const std::string& path, int reason) {
+  throw std::runtime_error(writeFault(path, reason));
+}
+
+fs::path folderOf(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+/// /proc/self/fd, in all its spellings. What stands in it are no links to be followed by name: they
+/// are the open files themselves.
+bool holdsOwnDescriptors(const fs::path& folder) {
+  if (folder.filename() != "fd") return false;
+  std::error_code ignored;
+  const std::string real = fs::canonical(folder, ignored).string();
+  return real.rfind("/proc/" + std::to_string(::getpid()) + "/", 0) == 0;
+}
+
+/// What tells files apart; a file that is not there yet by its folder and its name.
+using Identity = std::tuple<dev_t, ino_t, std::string>;
+
+/// Nothing for what cannot be destroyed by writing to it, and for what is not there at all.
+std::optional<Identity> identityOf(const std::string& path) {
+  struct stat status = {};
+  if (::stat(path.c_str(), &status) == 0) {
+    if (S_ISCHR(status.st_mode)) return std::nullopt;
+    return Identity(status.st_dev, status.st_ino, "");
+  }
+  try {
+    const OutputTarget target = outputTarget(path);
+    if (::stat(target.folder.c_str(), &status) != 0) return std::nullopt;
+    return Identity(status.st_dev, status.st_ino, target.name);
+  } catch (const std::runtime_error&) {
+    return std::nullopt;  // the writer says what is wrong with it
+  }
+}
+
+}  // namespace
+
+OutputTarget outputTarget(const std::string& path) {
+  if (path.empty()) fail(path, ENOENT);
+  fs::path at = path;
+  for (int links = 0; links <= kMostLinks; ++links) {
+    OutputTarget target;
+    target.folder = folderOf(at);
+    target.name = at.filename().string();
+    struct stat status = {};
+    if (holdsOwnDescriptors(target.folder)) {
+      char* end = nullptr;
+      const long number = std::strtol(target.name.c_str(), &end, 10);
+      if (target.name.empty() || *end != '\0') fail(path, ENOENT);
+      target.kind = OutputTarget::Kind::kDescriptor;
+      target.descriptor = static_cast<int>(number);
+      return target;
+    }
+    if (::stat(at.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
+      if (S_ISDIR(status.st_mode)) fail(path, EISDIR);
+      target.kind = OutputTarget::Kind::kStream;
+      return target;
+    }
+    if (::lstat(at.c_str(), &status) != 0) {
+      if (errno != ENOENT) fail(path, errno);
+      if (target.name.empty()) fail(path, EISDIR);  // x/
+      if (::stat(target.folder.c_str(), &status) != 0) fail(at.string(), errno);
+      return target;
+    }
+    if (!S_ISLNK(status.st_mode)) return target;
+    std::error_code error;
+    const fs::path next = fs::read_symlink(at, error);
+    if (error) fail(path, error.value());
+    at = target.folder / next;
+  }
+  fail(path, ELOOP);
+}
+
+void requireApart(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    if (outputs[k].empty()) continue;
+    const std::optional<Identity> output = identityOf(outputs[k]);
+    if (!output) continue;
+    for (const std::string& input : inputs) {
+      if (input.empty() || identityOf(input) != output) continue;
+      throw std::runtime_error(outputs[k] + ": is an input too" +
+                               (input == outputs[k] ? "" : " (" + input + ")") +
+                               "; name another file for the output");
+    }
+    for (std::size_t other = 0; other < k; ++other) {
+      if (outputs[other].empty() || identityOf(outputs[other]) != output) continue;
+      throw std::runtime_error(outputs[k] + ": is another output too" +
+                               (outputs[other] == outputs[k] ? "" : " (" + outputs[other] + ")") +
+                               "; name a file for each");
+    }
+  }
+}
+
+}  // namespace ring_gyro
