@@ -1,11 +1,15 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <cstdio>
+#include <stdexcept>
 
 #include "log_fixture.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/logs/log_table.h"
+#include "ring_gyro/logs/number_text.h"
+#include "ring_gyro/logs/quantity.h"
 
 namespace ring_gyro {
 namespace {
@@ -532,6 +536,204 @@ TEST_F(BadLog, Utf16) {
 TEST_F(BadLog, LineWithoutEnd) {
   write(tableText(20) + std::string(3 << 20, '1'));
   EXPECT_TRUE(contains(faultOf(), "longer than 1 MiB")) << faultOf();
+}
+
+TEST(Quantities, EachHasARangeWithTwoEnds) {
+  for (const QuantityInfo& info : quantities()) {
+    EXPECT_TRUE(std::isfinite(info.range.lowest) && std::isfinite(info.range.highest)) << info.name;
+    EXPECT_FALSE(info.range.contains(1e300)) << info.name;
+    EXPECT_FALSE(info.range.contains(-1e300)) << info.name;
+  }
+}
+
+/// What stands in a good log in row k.
+double usualValue(const std::string& name, int k) {
+  if (name == "t") return 1.0 + 1e-3 * k;
+  if (name == "a" || name == "sx" || name == "usable") return 1.0;
+  if (name == "theta") return 0.01 * k;
+  if (name == "phi") return -1.55;
+  if (name == "omega") return kFrequency;
+  if (name == "beta") return 2e-6;
+  if (name == "sequence") return k;
+  return 0.0;
+}
+
+/// A table with these columns, in which one value is another.
+std::string tableOf(const std::vector<std::string>& names, int rows, const std::string& changed,
+                    int changed_row, double value) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+  for (int k = 0; k < rows; ++k) {
+    for (const std::string& name : names) {
+      text += name == names.front() ? '\n' : ',';
+      appendNumber(text, name == changed && k == changed_row ? value : usualValue(name, k));
+    }
+  }
+  return text + "\n";
+}
+
+/// Beyond the first rows too, by which period and conventions are seen.
+TEST_F(BadLog, AbsurdValueOfEachQuantity) {
+  const std::vector<std::vector<std::string>> forms = {
+      {"t",
+       "a",
+       "b",
+       "theta",
+       "phi",
+       "omega",
+       "beta",
+       "alpha",
+       "virtual_rate",
+       "compensation_gain_1",
+       "compensation_gain_2",
+       "sustain_volts",
+       "quadrature_volts",
+       "steering_volts",
+       "drive_x_real",
+       "drive_x_imag",
+       "drive_y_real",
+       "drive_y_imag",
+       "psi",
+       "group_delay",
+       "usable",
+       "sequence"},
+      {"t", "cx", "sx", "cy", "sy", "omega", "beta", "alpha"},
+      {"t", "x", "y", "omega", "beta", "alpha"}};
+  std::size_t tried = 0;
+  for (const std::vector<std::string>& names : forms) {
+    for (const std::string& name : names) {
+      if (&names != &forms.front() && name.size() > 2) continue;  // has been tried
+      const QuantityInfo& info = infoOf(*quantityFromName(name));
+      ++tried;
+      for (const auto& [row, value] :
+           std::vector<std::pair<int, double>>{{12, 1e300},
+                                               {12, -1e305},
+                                               {12, std::nextafter(info.range.highest, 1e300)},
+                                               {2300, 1e300}}) {
+        const int rows = row + 8;
+        write(tableOf(names, rows, name, row, value));
+        const std::string fault = faultOf();
+        EXPECT_TRUE(contains(fault, "log.csv, line " + std::to_string(row + 2) + ", column " +
+                                        name + ": " + name + " = "))
+            << fault;
+        EXPECT_TRUE(contains(fault, "is out of range; allowed: " + info.range.text())) << fault;
+        EXPECT_TRUE(contains(fault, "--partial")) << fault;
+        EXPECT_EQ(std::count(fault.begin(), fault.end(), '\n'), 0);
+        if (name == "x" || name == "y") continue;  // rows too slow for a demodulator
+        ImportOptions options;
+        options.partial = true;
+        const ImportedLog log = import({}, options);
+        EXPECT_EQ(log.counts.faults.counts[static_cast<std::size_t>(RowFault::kOutOfRange)], 1U);
+        EXPECT_EQ(log.counts.faults.total(), 1U) << log.counts.faults.first;
+      }
+    }
+  }
+  EXPECT_EQ(tried, 22U + 5U + 3U);
+}
+
+/// Whatever is allowed makes blocks of finite numbers.
+TEST_F(BadLog, EndsOfTheRangesAreFinite) {
+  const std::vector<std::string> names = {"t",
+                                          "a",
+                                          "b",
+                                          "theta",
+                                          "phi",
+                                          "omega",
+                                          "beta",
+                                          "alpha",
+                                          "virtual_rate",
+                                          "compensation_gain_1",
+                                          "compensation_gain_2"};
+  for (const double end : {-1.0, 1.0}) {
+    std::string text = tableOf(names, 1, "", 0, 0.0);
+    for (int k = 1; k < 20; ++k) {
+      for (const std::string& name : names) {
+        const Range& range = infoOf(*quantityFromName(name)).range;
+        text += name == "t" ? "" : ",";
+        const bool steady = name == "t" || name == "phi" || name == "omega";
+        appendNumber(text, steady ? usualValue(name, k) : end > 0.0 ? range.highest : range.lowest);
+      }
+      text += '\n';
+    }
+    write(text);
+    ImportOptions options;
+    options.drive_gain = 1e-9;
+    options.partial = true;
+    const ImportedLog log = import({}, options);
+    EXPECT_GT(log.blocks.size(), 10U);
+    for (const auto& [elements, gains] : log.blocks) {
+      EXPECT_TRUE(std::isfinite(elements.orbit.a) && std::isfinite(elements.orbit.theta) &&
+                  std::isfinite(elements.theta_rate) && std::isfinite(gains.beta));
+      EXPECT_TRUE(gains.drive.total().allFinite());
+    }
+  }
+}
+
+TEST_F(BadLog, ConstantsAndOptionsThatCannotBe) {
+  write(replaced(tableText(20), "alpha", "other"));
+  for (const std::string constant : {"alpha=1e300", "alpha=-1e8"}) {
+    try {
+      import({}, {}, {constant});
+      FAIL() << constant;
+    } catch (const LogError& error) {
+      EXPECT_TRUE(contains(error.what(), "--constant alpha: alpha = ")) << error.what();
+      EXPECT_TRUE(contains(error.what(), "allowed: [-1e+07, 1e+07]")) << error.what();
+    }
+  }
+  EXPECT_THROW(import({}, {}, {"alpha=1e400"}), std::invalid_argument);
+  write(tableText(20));
+  const auto expectRefused = [this](const char* name, const auto& set) {
+    ImportOptions options;
+    set(options);
+    try {
+      import({}, options);
+      FAIL() << name;
+    } catch (const std::exception& error) {
+      EXPECT_TRUE(contains(error.what(), name)) << error.what();
+    }
+  };
+  expectRefused("--group-delay", [](ImportOptions& o) { o.group_delay = 1e300; });
+  expectRefused("--phi-offset", [](ImportOptions& o) { o.phi_offset = 1e300; });
+  expectRefused("--drive-lead", [](ImportOptions& o) { o.drive_lead = -1e300; });
+  expectRefused("--drive-gain", [](ImportOptions& o) { o.drive_gain = 1e300; });
+  expectRefused("--minimum-amplitude", [](ImportOptions& o) { o.minimum_amplitude = 1e300; });
+  expectRefused("--attenuation", [](ImportOptions& o) { o.stopband_attenuation = NAN; });
+  expectRefused("--average", [](ImportOptions& o) { o.average = std::int64_t{1} << 62; });
+}
+
+/// Each value is allowed, but together no stamp can say them.
+TEST_F(BadLog, BlocksBehindTheEndOfTime) {
+  std::string text = "t,a,b,theta,phi,omega,beta,alpha,sequence\n";
+  for (int k = 0; k < 20; ++k) {
+    std::string row = rowText(k);
+    row.pop_back();
+    text += row + "," + (k == 15 ? "8e15" : std::to_string(k)) + "\n";
+  }
+  write(text);
+  EXPECT_TRUE(contains(faultOf(), "log.csv, line 17: lies 8e+15 blocks behind the first"))
+      << faultOf();
+
+  text = kHeader;
+  for (int k = 0; k < 20; ++k) {
+    const std::string row = rowText(k);
+    text += (k == 0    ? "-4e9"
+             : k == 15 ? "4e9"
+                       : std::to_string(-4e9 + k)) +
+            row.substr(row.find(','));
+  }
+  write(text);
+  EXPECT_TRUE(contains(faultOf(), "line 17: lies ")) << faultOf();
+}
+
+TEST_F(BadLog, MoreColumnsThanSignals) {
+  std::string header = "t";
+  std::string row = "1";
+  for (int k = 0; k < 120000; ++k) {
+    header += ",c";
+    row += ",1";
+  }
+  write(header + "\n" + row + "\n" + row + "\n" + row + "\n");
+  EXPECT_TRUE(contains(faultOf(), "has 120001 fields, allowed are up to 100000")) << faultOf();
 }
 
 }  // namespace

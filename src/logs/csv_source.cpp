@@ -12,6 +12,8 @@ namespace ring_gyro {
 namespace {
 
 constexpr std::size_t kLinesToLookAt = 200;
+constexpr std::size_t kMostToLookAt = std::size_t{4} << 20;  // bytes
+constexpr std::size_t kMostColumns = 100000;
 constexpr char kMendOfCommas[] =
     "write the file with ';' between the fields, with decimal points or with the numbers in quotes";
 constexpr std::array<char, 5> kDelimiters = {'\t', ';', ',', '|', ' '};
@@ -126,7 +128,10 @@ CsvSource::CsvSource(const std::string& path, const CsvDialect& dialect)
   {
     LineReader reader(path);
     std::string_view line;
-    while (head.size() < dialect.skipped_lines + kLinesToLookAt && reader.next(line)) {
+    std::size_t size = 0;
+    while (head.size() < dialect.skipped_lines + kLinesToLookAt && size < kMostToLookAt &&
+           reader.next(line)) {
+      size += line.size();
       head.emplace_back(reader.number() <= dialect.skipped_lines ? "" : std::string(line));
     }
   }
@@ -155,6 +160,12 @@ CsvSource::CsvSource(const std::string& path, const CsvDialect& dialect)
         path, "", nothing ? "is empty but for blank and comment lines" : "no rows of numbers found",
         "give a table with a header and a line for each row; --delimiter and --decimal "
         "say how it is written");
+  }
+  if (best.fields > kMostColumns) {
+    throw LogError(path, "line " + std::to_string(best.first_row + 1),
+                   "has " + std::to_string(best.fields) + " fields, allowed are up to " +
+                       std::to_string(kMostColumns),
+                   "give a table with a column for each signal and a line for each row");
   }
   first_line_ = best.first_row + 1;
   split_at_decimals_ = mayBeSplitAtDecimals(head, best.first_row, dialect_.delimiter);

@@ -15,6 +15,8 @@ const char* toString(RowFault fault) {
       return "with something that is no number";
     case RowFault::kNotFinite:
       return "with NaN or infinity";
+    case RowFault::kOutOfRange:
+      return "with a value out of range";
     case RowFault::kTime:
       return "whose time does not follow";
     case RowFault::kCount:

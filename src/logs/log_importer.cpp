@@ -17,9 +17,8 @@ using Form = ColumnMap::Motion;
 
 constexpr std::size_t kHeadRows = 2000;
 constexpr double kBlock = 1e-3;                   // that faster rows are gathered into [s]
-constexpr double kLargestVoltage = 1e3;           // [V]
 constexpr double kLowestFrequency = 100.0;        // of a resonator [Hz]
-constexpr double kHighestFrequency = 20e6;        // [Hz]
+constexpr double kLongestBlock = 100.0;           // [s]
 constexpr double kLatestTime = 4294967295.0;      // that a stamp can hold [s]
 constexpr double kLockedPhase = toRadians(30.0);  // of phi about -pi/2
 constexpr double kLargestPhase = 30.0;            // that is not in degrees [rad]
@@ -34,7 +33,26 @@ std::string text(double value) {
   return result;
 }
 
+void checkOptions(ImportOptions options) {
+  ParameterTable table;
+  const auto add = [&table](const char* name, double& value, const char* unit, Range range) {
+    table.number(name, value, unit, range, "");
+  };
+  add("group-delay", options.group_delay, "s", infoOf(Quantity::kGroupDelay).range);
+  add("phi-offset", options.phi_offset, "rad", infoOf(Quantity::kPhi).range);
+  add("attenuation", options.stopband_attenuation, "dB", Range::between(0.0, 300.0));
+  if (options.drive_lead)
+    add("drive-lead", *options.drive_lead, "s", Range::between(-100.0, 100.0));
+  if (options.drive_gain)
+    add("drive-gain", *options.drive_gain, "1/s^2", Range::between(1e-9, 1e18));
+  if (options.minimum_amplitude) {
+    add("minimum-amplitude", *options.minimum_amplitude, "V", Range::between(0.0, 1e3));
+  }
+  requireInRange(table, "--");
+}
+
 const ColumnMap& completed(const ColumnMap& map, const ImportOptions& options) {
+  checkOptions(options);
   map.requireComplete(options.sample_rate.has_value());
   return map;
 }
@@ -70,22 +88,31 @@ void LogImporter::note(const RowError& error) {
   counts_.faults.add(error);
 }
 
-bool LogImporter::nextGood(LogRow& row) {
+bool LogImporter::nextGood(LogRow& row, const std::function<void(const RowError&)>& note_fault) {
   for (;;) {
     try {
       return rows_.next(row);
     } catch (const RowError& error) {
-      note(error);
+      note_fault(error);
     }
   }
 }
 
+/// A table that is not read as it was meant gives absurd values, but also rows of other lengths:
+/// these say more, and go first.
 void LogImporter::readHead() {
+  std::optional<RowError> absurd;
+  const auto note_later = [&](const RowError& error) {
+    if (options_.partial || error.kind() != RowFault::kOutOfRange) return note(error);
+    if (!absurd) absurd = error;
+    if (rows_.count() > kHeadRows) throw RowError(*absurd);
+  };
   HeadRow each;
-  while (head_.size() < kHeadRows && nextGood(each.row)) {
+  while (rows_.count() < kHeadRows + counts_.faults.total() && nextGood(each.row, note_later)) {
     each.place = rows_.place();
     head_.push_back(each);
   }
+  if (absurd) throw RowError(*absurd);
   if (head_.size() >= 2) return;
   fail("", "has " + std::to_string(head_.size()) + " rows that can be used",
        counts_.faults.first.empty() ? "give a longer log"
@@ -121,7 +148,12 @@ void LogImporter::chooseBlocks() {
   } else if (fitting >= 2.0) {
     rows_per_block_ = static_cast<std::int64_t>(fitting);
   }
-  duration_ns_ = nanoseconds(clock_->period() * static_cast<double>(rows_per_block_));
+  const double duration = clock_->period() * static_cast<double>(rows_per_block_);
+  if (duration > kLongestBlock) {
+    fail("", "a block of " + text(duration) + " s is too long, allowed are " + text(kLongestBlock),
+         "gather fewer rows into each with --average");
+  }
+  duration_ns_ = nanoseconds(duration);
   if (duration_ns_ < 1) fail("", "the rows are too close", "average more with --average");
 }
 
@@ -237,16 +269,9 @@ Orbit LogImporter::onBranch(Orbit orbit) {
 void LogImporter::checkRow(const LogRow& row, const std::string& place) const {
   const double frequency = valueOf(row, Quantity::kOmega) / kTwoPi;
   // Zero: not running yet.
-  if (frequency != 0.0 && !(frequency >= kLowestFrequency && frequency <= kHighestFrequency)) {
+  if (frequency != 0.0 && !(frequency >= kLowestFrequency)) {
     fail(place, "a reference frequency of " + text(frequency) + " Hz cannot be",
          "give its unit, such as --column omega=COLUMN:Hz");
-  }
-  for (const Quantity quantity : {Quantity::kA, Quantity::kB, Quantity::kCx, Quantity::kSx,
-                                  Quantity::kCy, Quantity::kSy, Quantity::kX, Quantity::kY}) {
-    if (!(std::abs(valueOf(row, quantity)) > kLargestVoltage)) continue;  // true of NaN too
-    const std::string name = infoOf(quantity).name;
-    fail(place, name + " = " + text(valueOf(row, quantity)) + " V cannot be",
-         "give its unit, such as --column " + name + "=COLUMN:mV, or a factor to volt");
   }
 }
 
@@ -298,6 +323,14 @@ void LogImporter::take(const LogRow& row, const std::string& place) {
   } else {
     counts_.missing_rows += static_cast<std::uint64_t>(step - 1);
     counts_.duration += static_cast<double>(step) * clock_->period();
+  }
+  const double blocks = static_cast<double>(row_index_ / rows_per_block_ - first_block_);
+  const double end =
+      1e-9 * (static_cast<double>(origin_ns_) + blocks * static_cast<double>(duration_ns_));
+  if (!(end < kLatestTime)) {
+    throw RowError(RowFault::kTime, map_.file(), place,
+                   "lies " + text(blocks) + " blocks behind the first, later than a stamp can say",
+                   "mend its time or sequence, or leave such rows out with --partial");
   }
   if (!contiguous) last_.reset();
   const bool wanted = beginOrContinueBlock(contiguous);
@@ -527,7 +560,7 @@ const ImportCounts& LogImporter::run(const Sink& sink, const Progress& progress)
   };
   for (const HeadRow& each : head_) takeOrNote(each.row, each.place);
   LogRow row;
-  while (nextGood(row)) {
+  while (nextGood(row, [this](const RowError& error) { note(error); })) {
     takeOrNote(row, rows_.place());
     if (rows_.count() % 64 == 0 && progress) progress(rows_.done(), rows_.size());
   }

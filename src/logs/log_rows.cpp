@@ -33,6 +33,13 @@ std::vector<std::size_t> columnsOf(const ColumnMap& map, std::vector<Quantity>& 
   return columns;
 }
 
+std::string outOfRange(const QuantityInfo& info, double value) {
+  std::string text = std::string(info.name) + " = ";
+  appendNumber(text, value);
+  const std::string unit = siUnit(info.dimension);
+  return text + " " + unit + " is out of range; allowed: " + info.range.text() + " " + unit;
+}
+
 }  // namespace
 
 std::uint64_t RowFaults::total() const {
@@ -51,6 +58,10 @@ LogRows::LogRows(RecordSource& source, const ColumnMap& map, bool mirror)
   for (const QuantityInfo& info : quantities()) {
     const std::optional<ColumnUse>& use = map_.use(info.quantity);
     if (use && !use->column) {
+      if (!info.range.contains(use->constant)) {
+        throw LogError(map_.file(), std::string("--constant ") + info.name,
+                       outOfRange(info, use->constant), "give its unit too, such as omega=14195Hz");
+      }
       constants_[static_cast<Eigen::Index>(indexOf(info.quantity))] = use->constant;
     }
   }
@@ -72,7 +83,16 @@ bool LogRows::next(LogRow& row) {
                      source_.place() + ", column " + map_.names()[*use.column], "is " + value,
                      "mend it, or leave such rows out with --partial");
     }
-    row[static_cast<Eigen::Index>(indexOf(selected_[k]))] = use.scale * read_[k];
+    const QuantityInfo& info = infoOf(selected_[k]);
+    const double value = use.scale * read_[k];
+    if (!info.range.contains(value)) {
+      throw RowError(RowFault::kOutOfRange, map_.file(),
+                     source_.place() + ", column " + map_.names()[*use.column],
+                     outOfRange(info, value),
+                     std::string("if it has another unit say --column ") + info.name +
+                         "=COLUMN:UNIT (or a factor); --partial leaves such rows out");
+    }
+    row[static_cast<Eigen::Index>(indexOf(selected_[k]))] = value;
   }
   if (mirror_) {
     for (const Quantity quantity : kMirrored) {

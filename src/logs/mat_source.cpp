@@ -3,14 +3,19 @@
 #include <matio.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "ring_gyro/logs/log_error.h"
+#include "ring_gyro/logs/mat_structure.h"
 
 namespace ring_gyro {
 namespace {
+
+constexpr std::size_t kMostColumns = 100000;
 
 struct CloseFile {
   void operator()(mat_t* file) const { Mat_Close(file); }
@@ -20,6 +25,18 @@ struct FreeVariable {
 };
 using File = std::unique_ptr<mat_t, CloseFile>;
 using Variable = std::unique_ptr<matvar_t, FreeVariable>;
+
+/// Before libmatio sees it.
+void requireWhole(const std::string& path) {
+  std::array<char, 128> header{};
+  std::ifstream(path, std::ios::binary).read(header.data(), header.size());
+  // Version 0x0200, of either byte order: there is an HDF5 file behind MATLAB's header.
+  if (header[124] == 2 || header[125] == 2) {
+    requireWholeMat73(path);
+  } else {
+    requireWholeMat5(path);
+  }
+}
 
 File openFile(const std::string& path) {
   File file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
@@ -107,12 +124,18 @@ Shape shapeOf(const matvar_t& variable) {
 }  // namespace
 
 MatSource::MatSource(const std::string& path) : path_(path) {
+  requireWhole(path);
   const File file = openFile(path);
   const auto add = [this](const matvar_t& variable, const std::string& name,
                           const std::string& field) {
     if (!isNumeric(variable)) return;
     const Shape shape = shapeOf(variable);
     const std::string whole = field.empty() ? name : name + "." + field;
+    if (shape.rows > 0 && shape.columns > kMostColumns - all_.size()) {
+      throw LogError(
+          path_, whole, "makes over " + std::to_string(kMostColumns) + " columns",
+          "save each signal as a column, time downwards, and leave out what is no signal");
+    }
     for (std::size_t k = 0; k < shape.columns && shape.rows > 0; ++k) {
       all_.push_back({name, field, k, shape.rows});
       names_.push_back(shape.columns == 1 ? whole : whole + "(:," + std::to_string(k + 1) + ")");

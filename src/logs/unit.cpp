@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/algorithm/string/predicate.hpp>
 #include <boost/algorithm/string/trim.hpp>
+#include <cmath>
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
@@ -151,6 +152,9 @@ bool isUnit(std::string_view text) { return find(text, std::nullopt) != nullptr;
 
 double quantityFromText(const std::string& name, const std::string& text, Dimension dimension) {
   const auto [number, rest] = splitNumber(boost::algorithm::trim_copy(text));
+  if (number && !std::isfinite(*number)) {
+    throw std::invalid_argument(name + " = " + text + " is not finite");
+  }
   if (number && rest.empty()) return *number;
   const UnitInfo* unit = number ? find(rest, dimension) : nullptr;
   if (!unit) {

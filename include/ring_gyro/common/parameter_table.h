@@ -14,10 +14,10 @@ struct Range {
   double highest = std::numeric_limits<double>::infinity();
   bool lowest_excluded = false;
 
-  static Range any() { return {}; }
-  static Range atLeast(double lowest) { return {lowest, kInfinity, false}; }
-  static Range above(double lowest) { return {lowest, kInfinity, true}; }
-  static Range between(double lowest, double highest) { return {lowest, highest, false}; }
+  static constexpr Range any() { return {}; }
+  static constexpr Range atLeast(double lowest) { return {lowest, kInfinity, false}; }
+  static constexpr Range above(double lowest) { return {lowest, kInfinity, true}; }
+  static constexpr Range between(double lowest, double highest) { return {lowest, highest, false}; }
 
   bool contains(double value) const;  ///< false for NaN and for infinities
   std::string text() const;           ///< as a person reads it: "[0, 1]", "> 0"

@@ -13,7 +13,7 @@ class LogError : public std::runtime_error {
 };
 
 /// What one row of a log can be wrong in.
-enum class RowFault { kRagged, kNotANumber, kNotFinite, kTime, kCount };
+enum class RowFault { kRagged, kNotANumber, kNotFinite, kOutOfRange, kTime, kCount };
 
 const char* toString(RowFault fault);
 

@@ -43,7 +43,8 @@ class LogImporter {
   using Progress = std::function<void(double done, double size)>;
 
   /// Looks at the first rows. Source and map must live as long. Throws LogError when the log cannot
-  /// be used, also for a bad row unless options.partial.
+  /// be used, also for a bad row unless options.partial;
+  /// std::invalid_argument for options that cannot.
   LogImporter(RecordSource& source, const ColumnMap& map, const ImportOptions& options);
 
   const LogRow& firstRow() const { return head_.front().row; }
@@ -69,7 +70,7 @@ class LogImporter {
   };
 
   bool has(Quantity quantity) const { return map_.has(quantity); }
-  bool nextGood(LogRow& row);
+  bool nextGood(LogRow& row, const std::function<void(const RowError&)>& note_fault);
   void note(const RowError& error);
   void readHead();
   void choosePeriod();

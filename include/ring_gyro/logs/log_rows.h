@@ -28,10 +28,12 @@ struct RowFaults {
   void add(const RowError& error);
 };
 
-/// Reads the rows of a log by a column map: units and signs applied, every number finite.
+/// Reads the rows of a log by a column map: units and signs applied, every number finite and in the
+/// range of its quantity.
 class LogRows {
  public:
-  /// `mirror`: the sign of all that changes with that of y is changed.
+  /// `mirror`: the sign of all that changes with that of y is changed. Throws LogError for a
+  /// constant out of range.
   LogRows(RecordSource& source, const ColumnMap& map, bool mirror);
 
   /// False at the end. Throws RowError for a row that cannot be used, LogError for a log that

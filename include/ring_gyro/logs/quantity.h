@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/logs/unit.h"
 
 namespace ring_gyro {
@@ -53,6 +54,7 @@ struct QuantityInfo {
   const char* name;  ///< as in --column NAME=... and in exported headers
   Dimension dimension;
   const char* meaning;
+  Range range;  ///< of values that can be, SI: wide, but far from where arithmetic breaks down
   /// What labs call it: lower case, letters and digits only, between spaces.
   const char* synonyms;
 };
