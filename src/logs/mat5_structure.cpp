@@ -219,7 +219,16 @@ class Variable {
       skip(names);
       checkArrays(left, product(count, length == 0 ? 0 : names.size / length), depth);
     }
-    bytes_.skip(left);  // of what is not read: sparse arrays, function handles
+    while (left >= 8) {  // sparse arrays, function handles
+      const Element rest = next(left);
+      if (rest.type == kMatrix) {
+        checkArray(rest.size, depth + 1);
+        bytes_.skip(rest.padding);
+      } else {
+        skip(rest);
+      }
+    }
+    bytes_.skip(left);
   }
 
  private:
@@ -324,10 +333,7 @@ void requireWholeMat5(const std::string& path) {
     FileBytes file(path);
     std::array<char, kHeader> header;
     file.read(header.data(), header.size());
-    const bool swapped = header[126] == 'M' && header[127] == 'I';
-    if (!swapped && !(header[126] == 'I' && header[127] == 'M')) {
-      throw Damage{"has a damaged header"};
-    }
+    const bool swapped = header[126] == 'M';
     while (file.left() > 0) {
       ++number;
       name.clear();
