@@ -1,6 +1,7 @@
 #include <hdf5.h>
 
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace ring_gyro {
 namespace {
 
 constexpr double kMostDeflated = 1032.0;  // bytes that one byte of deflate can stand for
+constexpr std::size_t kMostDimensions = 512;
 constexpr char kMend[] = "the file is damaged or not whole: copy or save it again";
 
 /// An identifier of HDF5, closed by the function for its kind.
@@ -85,6 +87,31 @@ std::string faultOfChunks(hid_t dataset, hid_t layout, const std::vector<hsize_t
   return "";
 }
 
+/// Of what MATLAB calls empty the numbers are the dimensions, of which one is zero.
+std::string faultOfEmpty(hid_t dataset, double bytes) {
+  if (H5Aexists(dataset, "MATLAB_empty") <= 0) return "";
+  const Handle attribute(H5Aopen(dataset, "MATLAB_empty", H5P_DEFAULT), H5Aclose);
+  const Handle one(H5Aget_space(attribute), H5Sclose);
+  std::uint64_t is_empty = 0;
+  if (H5Sget_simple_extent_npoints(one) != 1 ||
+      H5Aread(attribute, H5T_NATIVE_UINT64, &is_empty) < 0) {
+    return "cannot be read";
+  }
+  if (is_empty == 0) return "";
+  std::vector<std::uint64_t> dimensions(kMostDimensions);
+  if (bytes > static_cast<double>(kMostDimensions)) return "has too many dimensions";
+  if (H5Dread(dataset, H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, dimensions.data()) < 0) {
+    return "cannot be read";
+  }
+  double claimed = 1.0;
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  for (hssize_t k = 0; k < count; ++k) {
+    claimed *= static_cast<double>(dimensions[static_cast<std::size_t>(k)]);
+  }
+  return claimed == 0.0 ? "" : claims(claimed, "numbers", 0.0);
+}
+
 /// What is wrong with a dataset; empty: nothing.
 std::string faultOf(hid_t dataset, double file_size) {
   const Handle space(H5Dget_space(dataset), H5Sclose);
@@ -101,14 +128,15 @@ std::string faultOf(hid_t dataset, double file_size) {
   if (claimed == 0.0) return "";
   const H5D_layout_t kind = H5Pget_layout(layout);
   if (kind == H5D_CHUNKED) {
-    return faultOfChunks(dataset, layout, dimensions, number_size, file_size);
+    const std::string fault = faultOfChunks(dataset, layout, dimensions, number_size, file_size);
+    return fault.empty() ? faultOfEmpty(dataset, claimed) : fault;
   }
   auto held = static_cast<double>(H5Dget_storage_size(dataset));
   if (kind == H5D_CONTIGUOUS) {
     const haddr_t offset = H5Dget_offset(dataset);
     if (offset == HADDR_UNDEF || static_cast<double>(offset) + held > file_size) held = 0.0;
   }
-  return held < claimed ? claims(claimed, "bytes", held) : "";
+  return held < claimed ? claims(claimed, "bytes", held) : faultOfEmpty(dataset, claimed);
 }
 
 struct Visit {
