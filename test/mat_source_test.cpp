@@ -4,6 +4,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -111,6 +112,28 @@ TEST_F(MatLog, VectorsOfUnequalLength) {
   }
 }
 
+/// While it lives this process gets 64 MB at most beyond what it has. Sanitizers reserve what they
+/// like: with them there is no limit.
+class MemoryLimit {
+ public:
+  MemoryLimit() {
+    getrlimit(RLIMIT_AS, &before_);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    rlimit limit = before_;
+    limit.rlim_cur = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (rlim_t{64} << 20);
+    EXPECT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
+#endif
+  }
+  ~MemoryLimit() { setrlimit(RLIMIT_AS, &before_); }
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
 /// A file as it was read: the same numbers, or why it was not.
 struct Reading {
   std::vector<std::vector<double>> rows;
@@ -146,11 +169,12 @@ class DamagedMatLog : public MatLog {
     std::ofstream(path("log.mat"), std::ios::binary) << content;
   }
   /// Everything of the simplest form, and nothing that could be missing unnoticed.
-  Reading read() const {
+  static Reading read(const std::string& file) {
     Reading reading;
+    const MemoryLimit limit;
     try {
-      const std::unique_ptr<RecordSource> source = openLog(path("log.mat"));
-      const ColumnMap map(path("log.mat"), source->names(), {});
+      const std::unique_ptr<RecordSource> source = openLog(file);
+      const ColumnMap map(file, source->names(), {});
       map.requireComplete(false);
       std::vector<std::size_t> columns;
       for (const QuantityInfo& info : quantities()) {
@@ -166,6 +190,8 @@ class DamagedMatLog : public MatLog {
     }
     return reading;
   }
+  Reading read() const { return read(path("log.mat")); }
+
   /// Copies that end anywhere: refused, or the same to the last bit.
   void expectCutsAreRefused(std::size_t step) {
     const std::string whole = bytes();
@@ -277,18 +303,10 @@ std::string compressed(const std::string& plain) {
   return element.append(reinterpret_cast<const char*>(packed.data()), size);
 }
 
-/// Memory that this process has ever had at once [bytes].
-double peakMemory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
 TEST_F(DamagedMatLog, ClaimsWithoutDataAreRefusedBeforeMemoryIsTaken) {
   std::string header = "MATLAB 5.0 MAT-file";
   header.resize(124, ' ');
   header += std::string("\0\1IM", 4);
-  const double before = peakMemory();
   for (const auto& [rows, columns] : std::vector<std::pair<std::uint32_t, std::uint32_t>>{
            {1150000000, 1}, {1, 0x7fffffff}, {0x7fffffff, 0x7fffffff}, {3, 1}, {0, 5}}) {
     for (const std::uint32_t kind : {6U, 0x806U, 1U, 2U, 4U, 7U}) {
@@ -305,7 +323,6 @@ TEST_F(DamagedMatLog, ClaimsWithoutDataAreRefusedBeforeMemoryIsTaken) {
   }
   put(header + claiming(0xffffffff, 1));
   EXPECT_TRUE(contains(read().fault, "variable t: claims a negative dimension")) << read().fault;
-  EXPECT_LT(peakMemory() - before, 64e6);
 }
 
 TEST_F(DamagedMatLog, NestingHasAnEnd) {
@@ -360,10 +377,61 @@ TEST_F(DamagedMatLog, Version73ThatClaimsWhatWasNeverWritten) {
     H5Pclose(layout);
     H5Sclose(space);
     H5Fclose(file);
-    const double before = peakMemory();
     const std::string fault = read().fault;
     EXPECT_TRUE(contains(fault, "variable theta: claims")) << fault;
-    EXPECT_LT(peakMemory() - before, 64e6);
+  }
+}
+
+/// MATLAB's way to write an empty array of 7.3: the numbers are its dimensions.
+TEST_F(DamagedMatLog, Version73EmptyOfManyRows) {
+  writeWhole(MAT_FT_MAT73, MAT_COMPRESSION_NONE);
+  const hid_t file = H5Fopen(path("log.mat").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Ldelete(file, "theta", H5P_DEFAULT), 0);
+  const hsize_t two = 2;
+  const std::uint64_t dimensions[2] = {1150000000, 1};
+  const hid_t space = H5Screate_simple(1, &two, nullptr);
+  const hid_t dataset =
+      H5Dcreate2(file, "theta", H5T_STD_U64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  ASSERT_GE(H5Dwrite(dataset, H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, dimensions), 0);
+  const hid_t scalar = H5Screate(H5S_SCALAR);
+  const hid_t text = H5Tcopy(H5T_C_S1);
+  H5Tset_size(text, 6);
+  const hid_t kind = H5Acreate2(dataset, "MATLAB_class", text, scalar, H5P_DEFAULT, H5P_DEFAULT);
+  ASSERT_GE(H5Awrite(kind, text, "double"), 0);
+  const hid_t empty =
+      H5Acreate2(dataset, "MATLAB_empty", H5T_STD_U8LE, scalar, H5P_DEFAULT, H5P_DEFAULT);
+  const unsigned char one = 1;
+  ASSERT_GE(H5Awrite(empty, H5T_NATIVE_UCHAR, &one), 0);
+  H5Aclose(empty);
+  H5Aclose(kind);
+  H5Tclose(text);
+  H5Sclose(scalar);
+  H5Dclose(dataset);
+  H5Sclose(space);
+  H5Fclose(file);
+  EXPECT_TRUE(contains(read().fault, "variable theta: claims 1.15e+09 numbers and holds 0") ||
+              contains(read().fault, "variable theta: claims 1150000000 numbers and holds 0"))
+      << read().fault;
+}
+
+TEST_F(DamagedMatLog, NamesAreShownInOneLine) {
+  std::string header = "MATLAB 5.0 MAT-file";
+  header.resize(124, ' ');
+  header += std::string("\0\1IM", 4);
+  std::string array = claiming(3, 1);
+  array[array.find("t\0", 40)] = '\n';
+  put(header + array);
+  EXPECT_TRUE(contains(read().fault, "variable ?: claims 3 numbers and holds 2")) << read().fault;
+}
+
+TEST_F(DamagedMatLog, HeaderOfNoKnownVersion) {
+  writeWhole(MAT_FT_MAT5, MAT_COMPRESSION_NONE);
+  const std::string whole = bytes();
+  for (const std::size_t at : {124U, 125U, 126U, 127U}) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(changed[at] ^ 0x40);
+    put(changed);
+    EXPECT_TRUE(contains(read().fault, "has a damaged header")) << read().fault;
   }
 }
 
@@ -380,7 +448,7 @@ TEST_F(MatLog, AbsurdValuesNameRowColumnAndRange) {
   } catch (const LogError& error) {
     EXPECT_TRUE(contains(error.what(),
                          "log.mat, row 8, column theta: theta = 1e+300 rad is out of range; "
-                         "allowed: [-1e+06, 1e+06] rad"))
+                         "allowed: [-1e+08, 1e+08] rad"))
         << error.what();
   }
 }

@@ -1,11 +1,24 @@
 #include "ring_gyro/logs/log_error.h"
 
+#include <algorithm>
+
 namespace ring_gyro {
+namespace {
+
+/// Names in a damaged file can hold anything: what ends a line or moves the cursor is shown as '?'.
+std::string oneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char each) { return static_cast<unsigned char>(each) < 0x20 || each == 0x7f; }, '?');
+  return text;
+}
+
+}  // namespace
 
 LogError::LogError(const std::string& file, const std::string& place, const std::string& fault,
                    const std::string& mend)
-    : std::runtime_error(file + (place.empty() ? "" : ", " + place) + ": " + fault +
-                         (mend.empty() ? "" : "; " + mend)) {}
+    : std::runtime_error(oneLine(file + (place.empty() ? "" : ", " + place) + ": " + fault +
+                                 (mend.empty() ? "" : "; " + mend))) {}
 
 const char* toString(RowFault fault) {
   switch (fault) {

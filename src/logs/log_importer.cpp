@@ -19,6 +19,7 @@ constexpr std::size_t kHeadRows = 2000;
 constexpr double kBlock = 1e-3;                   // that faster rows are gathered into [s]
 constexpr double kLowestFrequency = 100.0;        // of a resonator [Hz]
 constexpr double kLongestBlock = 100.0;           // [s]
+constexpr double kLargestDrive = 1e6;             // rebuilt from gains that each can be [V]
 constexpr double kLatestTime = 4294967295.0;      // that a stamp can hold [s]
 constexpr double kLockedPhase = toRadians(30.0);  // of phi about -pi/2
 constexpr double kLargestPhase = 30.0;            // that is not in degrees [rad]
@@ -341,6 +342,12 @@ void LogImporter::take(const LogRow& row, const std::string& place) {
       checkTheta(row, place);
       addMotion(row);  // unwanted rows too: theta goes on
     }
+  } catch (const std::range_error& error) {
+    breakBlock();
+    last_.reset();
+    throw RowError(RowFault::kOutOfRange, map_.file(), place, error.what(),
+                   "if beta, alpha or omega have other units say --column beta=COLUMN:UNIT (or a "
+                   "factor); --partial leaves such rows out");
   } catch (const std::invalid_argument& error) {
     fail(place, error.what(),
          "give --drive-gain (ks as the lab's loops assumed it), steering_volts or drive envelopes");
@@ -382,6 +389,12 @@ void LogImporter::driveOf(const LogRow& acted, const Orbit& now, double period, 
   if (!last_) lead -= period;
   pointed.theta += theta_rate_ * lead;
   drive_.rebuild(acted, pointed, gains);
+  const double largest = (gains.drive.sustain.cwiseAbs() + gains.drive.quadrature.cwiseAbs() +
+                          gains.drive.steering.cwiseAbs() + gains.drive.compensation.cwiseAbs())
+                             .maxCoeff();
+  if (largest <= kLargestDrive) return;
+  throw std::range_error("its gains make a drive of " + text(largest) + " V; allowed: up to " +
+                         text(kLargestDrive) + " V");
 }
 
 /// Radians, wrapped or not, never jump by much more than a turn.

@@ -1,20 +1,19 @@
 #include <hdf5.h>
 
+#include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <limits>
-#include <memory>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "ring_gyro/logs/log_error.h"
 #include "ring_gyro/logs/mat_structure.h"
+#include "ring_gyro/logs/number_text.h"
 
 namespace ring_gyro {
 namespace {
 
 constexpr double kMostDeflated = 1032.0;  // bytes that one byte of deflate can stand for
+constexpr std::size_t kMostDimensions = 512;
 constexpr char kMend[] = "the file is damaged or not whole: copy or save it again";
 
 /// An identifier of HDF5, closed by the function for its kind.
@@ -50,26 +49,67 @@ class QuietErrors {
   void* data_ = nullptr;
 };
 
-/// How many chunks of a dataset are in the file, of how many; nothing to tell without chunks.
-struct Chunks {
-  double claimed = 0.0;
-  double held = 0.0;
-};
+std::string text(double value) {
+  std::string result;
+  appendNumber(result, value);
+  return result;
+}
 
-Chunks chunksOf(hid_t dataset, hid_t space, hid_t layout, const std::vector<hsize_t>& dimensions) {
-  Chunks chunks;
-#if H5_VERSION_GE(1, 10, 5)
+std::string claims(double claimed, const char* what, double held) {
+  return "claims " + text(claimed) + " " + what + " and holds " + text(held);
+}
+
+/// What is wrong with a dataset that lies in chunks, each whole in the file.
+std::string faultOfChunks(hid_t dataset, hid_t layout, const std::vector<hsize_t>& dimensions,
+                          double number_size, double file_size) {
   std::vector<hsize_t> chunk(dimensions.size());
-  if (H5Pget_chunk(layout, static_cast<int>(chunk.size()), chunk.data()) < 0) return chunks;
-  chunks.claimed = 1.0;
-  for (std::size_t k = 0; k < chunk.size(); ++k) {
-    const hsize_t whole = dimensions[k] / chunk[k] + (dimensions[k] % chunk[k] != 0 ? 1 : 0);
-    chunks.claimed *= static_cast<double>(whole);
+  if (H5Pget_chunk(layout, static_cast<int>(chunk.size()), chunk.data()) < 0) {
+    return "cannot be read";
   }
-  hsize_t held = 0;
-  if (H5Dget_num_chunks(dataset, space, &held) >= 0) chunks.held = static_cast<double>(held);
+  double claimed = 1.0;
+  double bytes = number_size;
+  for (std::size_t k = 0; k < chunk.size(); ++k) {
+    claimed *= std::ceil(static_cast<double>(dimensions[k]) / static_cast<double>(chunk[k]));
+    bytes *= static_cast<double>(chunk[k]);
+  }
+  bytes *= claimed;
+  const auto held = static_cast<double>(H5Dget_storage_size(dataset));
+  const double most = H5Pget_nfilters(layout) > 0 ? kMostDeflated * held : held;
+  if (held > file_size || bytes > most) return claims(bytes, "bytes", held);
+#if H5_VERSION_GE(1, 10, 5)
+  hsize_t count = 0;
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  if (H5Dget_num_chunks(dataset, space, &count) < 0) return "cannot be read";
+  if (static_cast<double>(count) < claimed) {
+    return claims(claimed, "chunks", static_cast<double>(count));
+  }
 #endif
-  return chunks;
+  return "";
+}
+
+/// Of what MATLAB calls empty the numbers are the dimensions, of which one is zero.
+std::string faultOfEmpty(hid_t dataset, double bytes) {
+  if (H5Aexists(dataset, "MATLAB_empty") <= 0) return "";
+  const Handle attribute(H5Aopen(dataset, "MATLAB_empty", H5P_DEFAULT), H5Aclose);
+  const Handle one(H5Aget_space(attribute), H5Sclose);
+  std::uint64_t is_empty = 0;
+  if (H5Sget_simple_extent_npoints(one) != 1 ||
+      H5Aread(attribute, H5T_NATIVE_UINT64, &is_empty) < 0) {
+    return "cannot be read";
+  }
+  if (is_empty == 0) return "";
+  std::vector<std::uint64_t> dimensions(kMostDimensions);
+  if (bytes > static_cast<double>(kMostDimensions)) return "has too many dimensions";
+  if (H5Dread(dataset, H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, dimensions.data()) < 0) {
+    return "cannot be read";
+  }
+  double claimed = 1.0;
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  for (hssize_t k = 0; k < count; ++k) {
+    claimed *= static_cast<double>(dimensions[static_cast<std::size_t>(k)]);
+  }
+  return claimed == 0.0 ? "" : claims(claimed, "numbers", 0.0);
 }
 
 /// What is wrong with a dataset; empty: nothing.
@@ -82,27 +122,21 @@ std::string faultOf(hid_t dataset, double file_size) {
   if (rank < 0) return "cannot be read";
   std::vector<hsize_t> dimensions(static_cast<std::size_t>(rank));
   if (rank > 0) H5Sget_simple_extent_dims(space, dimensions.data(), nullptr);
-  double claimed = static_cast<double>(H5Tget_size(type));  // bytes; exact up to 2^53
+  const auto number_size = static_cast<double>(H5Tget_size(type));
+  double claimed = number_size;  // bytes; exact up to 2^53
   for (const hsize_t dimension : dimensions) claimed *= static_cast<double>(dimension);
   if (claimed == 0.0) return "";
-  const auto held = static_cast<double>(H5Dget_storage_size(dataset));
-  const std::string says = "claims " + std::to_string(claimed) + " bytes and holds ";
   const H5D_layout_t kind = H5Pget_layout(layout);
   if (kind == H5D_CHUNKED) {
-    const Chunks chunks = chunksOf(dataset, space, layout, dimensions);
-    if (held > file_size || claimed > kMostDeflated * held) return says + std::to_string(held);
-    if (chunks.held < chunks.claimed) {
-      return "claims " + std::to_string(chunks.claimed) + " chunks and holds " +
-             std::to_string(chunks.held);
-    }
-    return "";
+    const std::string fault = faultOfChunks(dataset, layout, dimensions, number_size, file_size);
+    return fault.empty() ? faultOfEmpty(dataset, claimed) : fault;
   }
+  auto held = static_cast<double>(H5Dget_storage_size(dataset));
   if (kind == H5D_CONTIGUOUS) {
     const haddr_t offset = H5Dget_offset(dataset);
-    const bool there = offset != HADDR_UNDEF && static_cast<double>(offset) + held <= file_size;
-    if (!there) return says + "none";
+    if (offset == HADDR_UNDEF || static_cast<double>(offset) + held > file_size) held = 0.0;
   }
-  return held < claimed ? says + std::to_string(held) : "";
+  return held < claimed ? claims(claimed, "bytes", held) : faultOfEmpty(dataset, claimed);
 }
 
 struct Visit {
@@ -112,8 +146,12 @@ struct Visit {
 };
 
 herr_t visit(hid_t group, const char* name, const H5L_info_t* info, void* data) {
-  if (info->type != H5L_TYPE_HARD) return 0;
   auto& state = *static_cast<Visit*>(data);
+  if (info->type != H5L_TYPE_HARD) {
+    state.name = name;
+    state.fault = "is a link to another place, which MATLAB does not write";
+    return 1;
+  }
   const Handle object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose);
   state.name = name;
   if (!object.ok()) {

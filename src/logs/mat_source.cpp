@@ -7,6 +7,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "ring_gyro/logs/log_error.h"
@@ -30,11 +31,14 @@ using Variable = std::unique_ptr<matvar_t, FreeVariable>;
 void requireWhole(const std::string& path) {
   std::array<char, 128> header{};
   std::ifstream(path, std::ios::binary).read(header.data(), header.size());
-  // Version 0x0200, of either byte order: there is an HDF5 file behind MATLAB's header.
-  if (header[124] == 2 || header[125] == 2) {
+  // The last four bytes: a version and the mark "MI", each a word of 16 bits.
+  const std::string_view end(header.data() + 124, 4);
+  if (end == std::string_view("\0\2IM", 4) || end == std::string_view("\2\0MI", 4)) {
     requireWholeMat73(path);
-  } else {
+  } else if (end == std::string_view("\0\1IM", 4) || end == std::string_view("\1\0MI", 4)) {
     requireWholeMat5(path);
+  } else {
+    throw LogError(path, "", "has a damaged header", "copy the file or save it again");
   }
 }
 
@@ -183,8 +187,15 @@ void MatSource::select(const std::vector<std::size_t>& columns) {
     if (numbers && !column.field.empty()) {
       numbers = Mat_VarGetStructFieldByName(variable.get(), column.field.c_str(), 0);
     }
+    // Dimensions stand by themselves in a file: numbers must be there for them.
+    if (!numbers || !numbers->data || numbers->data_size <= 0 ||
+        numbers->nbytes / static_cast<std::size_t>(numbers->data_size) / column.rows <=
+            column.column) {
+      throw LogError(path_, names_[index], "holds less than it claims",
+                     "the file is damaged or not whole: copy or save it again");
+    }
     std::vector<double> values(column.rows);
-    if (!numbers || !numbers->data || !copyData(*numbers, column.column * column.rows, values)) {
+    if (!copyData(*numbers, column.column * column.rows, values)) {
       throw LogError(path_, names_[index], "cannot be read", "save the file again");
     }
     data_.push_back(std::move(values));

@@ -8,14 +8,14 @@
 namespace ring_gyro {
 namespace {
 
-// What a quantity can be at all. Doubles resolve a stamp of 2^32 s to 1e-6 s and an angle of 1e6
-// rad to 1e-10 rad; a pick-off saturates far under 1 kV; no gain is above 10 kV of drive for the
-// least motion that is worth a log (1e-3 V, 1.6 kHz); and no product of two of them comes near what
-// a double can hold.
+// What a quantity can be at all. Doubles resolve a stamp of 2^32 s to 1e-6 s and an angle of 1e8
+// rad (years of turning) to 1e-8 rad; a pick-off saturates far under 1 kV; no gain is above 10 kV
+// of drive for the least motion that is worth a log (1e-3 V, 1.6 kHz). Readers of the bag refuse
+// what is not below 1e12.
 constexpr Range kTimes = Range::between(-4294967295.0, 4294967295.0);
 constexpr Range kMotion = Range::between(-1e3, 1e3);
-constexpr Range kAngles = Range::between(-1e6, 1e6);
-constexpr Range kReferencePhases = Range::between(-1e12, 1e12);  // unwrapped over a long log
+constexpr Range kAngles = Range::between(-1e8, 1e8);
+constexpr Range kReferencePhases = Range::between(-1e11, 1e11);  // unwrapped over a long log
 constexpr Range kFrequencies = Range::between(0.0, kTwoPi * 20e6);
 constexpr Range kVelocityGains = Range::between(-1e3, 1e3);
 constexpr Range kDisplacementGains = Range::between(-1e7, 1e7);
