@@ -33,22 +33,6 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// HDF5 prints a page for each fault unless it is told not to.
-class QuietErrors {
- public:
-  QuietErrors() {
-    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
-  QuietErrors(const QuietErrors&) = delete;
-  QuietErrors& operator=(const QuietErrors&) = delete;
-
- private:
-  H5E_auto2_t print_ = nullptr;
-  void* data_ = nullptr;
-};
-
 std::string text(double value) {
   std::string result;
   appendNumber(result, value);
@@ -165,7 +149,8 @@ herr_t visit(hid_t group, const char* name, const H5L_info_t* info, void* data) 
 }  // namespace
 
 void requireWholeMat73(const std::string& path) {
-  const QuietErrors quiet;
+  // HDF5 prints a page for each fault, when libmatio reads the file too. All are told in one line.
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) throw LogError(path, "", "cannot be read as HDF5; is it cut?", kMend);
   Visit state;

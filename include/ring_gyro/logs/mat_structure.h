@@ -9,7 +9,8 @@ namespace ring_gyro {
 /// claimed and reads zeros where a file has been cut. Takes memory for no data.
 ///
 /// Throws LogError naming the variable. The versions: of MATLAB's save, "-v6" and "-v7" (MAT 5,
-/// plain or compressed variable by variable) and "-v7.3" (HDF5).
+/// plain or compressed variable by variable) and "-v7.3" (HDF5, which from then on prints no errors
+/// of its own in this process).
 void requireWholeMat5(const std::string& path);
 void requireWholeMat73(const std::string& path);
 
