@@ -41,8 +41,7 @@ class Report(unittest.TestCase):
         return bag
 
     def test_one_file_with_everything(self):
-        # Without the cubic error of the pick-off, which the seven-state model does not hold.
-        bag = self.simulate("run", 36, "sense/cubic=0")
+        bag = self.simulate("run", 36)
         page, figures = self.folder / "run.html", self.folder / "figures"
         done = run("report", bag, "--output", page, "--figures", figures)
         # The pick-off of this device is not in the model, which the report may not pass over.
