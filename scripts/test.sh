@@ -3,8 +3,7 @@
 #
 # Sets up and builds with warnings as errors; runs each gtest and rostest, the gtests of the core
 # again with the address and undefined-behaviour sanitizers, the checks of format and floors, and
-# the install space of a plain catkin workspace. The last line is "N passed, N failed"; logs and
-# results are in build/test.
+# the install space. The last line is "N passed, N failed"; logs and results are in build/test.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # shellcheck source=scripts/setup.sh
@@ -12,6 +11,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 work=$root/build/test
 results=$work/results
+space=$work/install
 rm -rf "$results"
 mkdir -p "$results"
 jobs=$(nproc)
@@ -50,7 +50,8 @@ format() {
 }
 
 build_tests() {
-  cmake -S "$root" -B "$work/release" -DCMAKE_BUILD_TYPE=Release "${common[@]}" &&
+  cmake -S "$root" -B "$work/release" -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_INSTALL_PREFIX="$space" "${common[@]}" &&
     cmake --build "$work/release" --parallel "$jobs" &&
     cmake --build "$work/release" --parallel "$jobs" --target tests
 }
@@ -99,19 +100,16 @@ run_sanitized() {
   [ "$ran" -gt 0 ]
 }
 
-# A plain catkin workspace, built and installed; then its install space alone must run.
-install_workspace() {
-  mkdir -p "$space/src"
-  ln -s "$root" "$space/src/ring_gyro"
-  cd "$space"
-  catkin_make install -j"$jobs" -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=/usr/bin/python3 \
-    -DCATKIN_ENABLE_TESTING=OFF -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
+# What users get, in a place of its own; it alone must run.
+install_release() {
+  rm -rf "$space"
+  cmake --build "$work/release" --target install
 }
 
 run_installed() { # command... in the environment of the install space
   env -i HOME="$HOME" PATH=/usr/bin:/bin ROS_HOSTNAME=localhost ROS_LOG_DIR="$work/ros_log" \
     ROS_MASTER_URI="http://localhost:$installed_port" bash -c \
-    ". '$space/install/setup.bash' && cd / && \"\$@\"" _ "$@"
+    ". '$space/setup.bash' && cd / && \"\$@\"" _ "$@"
 }
 
 installed_simulate() {
@@ -129,10 +127,6 @@ installed_launch() { # nodelets
   run_installed rosrun ring_gyro summarise_run "$work/installed_launch.bag"
 }
 
-# Not in the package: its link back would make ROS look for executables in circles.
-space=$(mktemp -d)
-trap 'rm -rf "$space"' EXIT
-
 check format format || true
 check floors "$root/scripts/check_floors.py" || true
 if check build build_tests; then
@@ -146,7 +140,7 @@ if check build_sanitized build_sanitized; then
 fi
 installed_port=$(/usr/bin/python3 -c 'import socket
 s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
-if check install_workspace install_workspace; then
+if check install install_release; then
   check installed_simulate installed_simulate || true
   check installed_launch installed_launch false || true
   check installed_nodelets installed_launch true || true
