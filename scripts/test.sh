@@ -11,7 +11,9 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 work=$root/build/test
 results=$work/results
-space=$work/install
+# Not in the package: its launch files and programs would be found twice.
+space=$(mktemp -d)
+trap 'rm -rf "$space"' EXIT
 rm -rf "$results"
 mkdir -p "$results"
 jobs=$(nproc)
@@ -102,7 +104,6 @@ run_sanitized() {
 
 # What users get, in a place of its own; it alone must run.
 install_release() {
-  rm -rf "$space"
   cmake --build "$work/release" --target install
 }
 
