@@ -267,6 +267,21 @@ TEST(ControlLoops, CoastThroughAReferenceThatIsNotFinite) {
   EXPECT_EQ(usable, 100) << "four bad references must not cost the lock";
 }
 
+// As far as the plant has gone meanwhile: it runs on with the last command too.
+TEST(ControlLoops, KnowTheReferenceAfterMissedBlocks) {
+  LoopSetup setup;
+  for (const int missed : {0, 1, 7}) {
+    PlantSimulator plant(setup.plant, setup.converter, 1, 1, kStart);
+    ControlLoops loops(setup.control, {}, setup.converter);
+    DisplacementBlock block = plant.start();
+    for (int n = 0; n < 500; ++n) block = plant.step(loops.process(block).command);
+    for (int n = 0; n < missed; ++n) block = plant.coast();
+    const double phase = block.reference_phase;
+    block.reference_phase = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_NEAR(wrapToPi(loops.process(block).gains.reference_phase - phase), 0.0, 1e-9) << missed;
+  }
+}
+
 // Nothing of the first session may be seen in the second: not in the filter, the integrators, what
 // was learnt, the turns counted, the locks, nor what was decided.
 TEST(ControlLoops, ANewSessionFindsThemAsNewlyMade) {

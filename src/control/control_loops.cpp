@@ -118,12 +118,14 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   LoopStatus& status = output_.elements.status;
   Reference reference{block.reference_phase, block.reference_frequency};
   const bool referenced = std::isfinite(reference.phase) && std::isfinite(reference.frequency);
-  // As asked for in the last command: the NCO runs on.
-  const DriveCommand& last = output_.command;
-  if (!referenced) reference = {last.reference_phase, last.reference_frequency};
-  const bool usable = referenced && samplesUsable(block);
   // Before the first block of a session the ring was at rest, as the empty filter has it.
   const std::uint64_t expected = started_ ? last_stamp_.sequence + 1 : 0;
+  if (!referenced) {
+    const std::uint64_t missed =
+        block.stamp.sequence > expected ? block.stamp.sequence - expected : 0;
+    reference = runOn(missed, block.stamp.duration());
+  }
+  const bool usable = referenced && samplesUsable(block);
   if (!usable || block.stamp.sequence != expected) {
     demodulator_.reset();
     blocks_to_settle_ = demodulator_.settlingBlocks();
@@ -156,6 +158,13 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   output_.gains.status = status;
   command(block, reference);
   return output_;
+}
+
+/// As asked for in the last command, so many blocks later.
+ControlLoops::Reference ControlLoops::runOn(std::uint64_t blocks, double period) const {
+  const DriveCommand& last = output_.command;
+  const double turned = last.reference_frequency * static_cast<double>(blocks) * period;
+  return {wrapToPi(last.reference_phase + turned), last.reference_frequency};
 }
 
 void ControlLoops::measure(const Eigen::Vector2cd& envelope, double period) {

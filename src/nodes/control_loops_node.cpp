@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -183,8 +184,6 @@ void ControlLoopsNode::process(const BlockMessage& message) {
                " is not finite");
     return;
   }
-  last_command_ = output.command;
-  last_answered_ = block_.stamp;
   publish(output);
   status_ = output.elements.status;
   amplitude_ = output.elements.orbit.a;
@@ -193,8 +192,8 @@ void ControlLoopsNode::process(const BlockMessage& message) {
   departure_.processed(block_.stamp.sequence);
 }
 
-/// With numbers that cannot be, what the loops know themselves of the block stands in their place,
-/// and no samples.
+/// Numbers that cannot be are left out: without samples and reference the loops coast, and go on
+/// from their own last command.
 void ControlLoopsNode::read(const BlockMessage& message) {
   fromMessage(message, block_);
   const MessageFault fault = faultOf(message);
@@ -203,17 +202,9 @@ void ControlLoopsNode::read(const BlockMessage& message) {
   block_.x.clear();
   block_.y.clear();
   block_.saturated_samples = 0;
+  block_.clipped_drive_samples = 0;
   block_.stamp.duration_ns = block_duration_ns_;
-  const bool follows = last_answered_.duration_ns > 0 &&
-                       last_answered_.session == block_.stamp.session &&
-                       last_answered_.sequence < block_.stamp.sequence;
-  const std::uint64_t blocks_since =
-      follows ? block_.stamp.sequence - last_answered_.sequence - 1 : 0;
-  block_.reference_frequency = last_command_.reference_frequency;
-  block_.reference_phase =
-      wrapToPi(last_command_.reference_phase + last_command_.reference_frequency *
-                                                   static_cast<double>(blocks_since) *
-                                                   block_.stamp.duration());
+  block_.reference_phase = block_.reference_frequency = std::numeric_limits<double>::quiet_NaN();
 }
 
 void ControlLoopsNode::publish(const LoopOutput& output) {

@@ -73,6 +73,7 @@ class ControlLoops {
   };
 
   bool samplesUsable(const DisplacementBlock& block) const;
+  Reference runOn(std::uint64_t blocks, double period) const;
   void measure(const Eigen::Vector2cd& envelope, double period);
   void recallActedDrive(const DisplacementBlock& block, const Reference& reference);
   void command(const DisplacementBlock& block, const Reference& reference);

@@ -79,8 +79,6 @@ class ControlLoopsNode {
   DecisionQueue<CompensationDecision> compensation_decisions_;
   DecisionQueue<CalibrationCommand> calibration_commands_;
   std::int64_t block_duration_ns_;
-  DriveCommand last_command_;
-  BlockStamp last_answered_;
   LoopStatus status_;
   double amplitude_ = 0.0;
   double theta_rate_ = 0.0;
