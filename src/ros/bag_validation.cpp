@@ -233,6 +233,9 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   });
   OrbitalElements elements;
   ControlGains gains;
+  RunEnds ends;
+  BagSinks others;
+  addRunEnds(bag.file(), ends, others);
   bag.read(
       [&](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& time) {
         elements_numbers.add(readChecked(message, elements), elements.stamp);
@@ -244,7 +247,8 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
         gains_numbers.add(readChecked(message, gains), gains.stamp);
         gains_stamps.add(gains.stamp, time);
         merge.add(gains);
-      });
+      },
+      ros::TIME_MIN, ros::TIME_MAX, std::move(others));
   merge.flush();
 
   BagValidation result;
@@ -271,7 +275,7 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
                                                        "topic"});
   }
   motion.report(result.findings);
-  end.report(runEnds(path), result.findings);
+  end.report(ends, result.findings);
   return result;
 }
 

@@ -1,15 +1,11 @@
 #include "ring_gyro/ros/run_ends.h"
 
-#include "ring_gyro/ros/bag_file.h"
 #include "ring_gyro/ros/messages.h"
 
 namespace ring_gyro {
 
-RunEnds runEnds(const std::string& path) {
+void addRunEnds(const BagFile& bag, RunEnds& ends, BagSinks& sinks) {
   using ring_gyro_msgs::EndOfRun;
-  RunEnds ends;
-  BagFile bag(path);
-  BagSinks sinks;
   for (const BagConnection& connection : bag.connections()) {
     if (connection.md5 != ros::message_traits::md5sum<EndOfRun>()) continue;
     sinks[connection.id] = [&ends](const BagMessage& found) {
@@ -23,8 +19,6 @@ RunEnds runEnds(const std::string& path) {
       }
     };
   }
-  bag.read(sinks);
-  return ends;
 }
 
 }  // namespace ring_gyro

@@ -2,15 +2,16 @@
 
 #include <cstdint>
 #include <map>
-#include <string>
+
+#include "ring_gyro/ros/bag_file.h"
 
 namespace ring_gyro {
 
 /// The last block that the plant announced, by session.
 using RunEnds = std::map<std::uint32_t, std::uint64_t>;
 
-/// What the end_of_run messages of a bag say, whatever their topic; of a bag without an index as
-/// far as it can be read. Throws BagError when it cannot be read at all.
-RunEnds runEnds(const std::string& path);
+/// Has `ends` get what the end_of_run messages of a bag say, whatever their topic; it must outlive
+/// the reading.
+void addRunEnds(const BagFile& bag, RunEnds& ends, BagSinks& sinks);
 
 }  // namespace ring_gyro
