@@ -17,7 +17,11 @@ std::string summaryJson(const RunRecord& record, const RunSummary& summary);
 /// The files that writeSeries writes; none for an empty name.
 std::vector<std::string> seriesFiles(const std::string& directory);
 
-/// Series for plots, thinned to what a plot can show, as files in `directory` (made when missing):
+/// Makes the folder for them when it is missing. Throws std::runtime_error with the line of
+/// writeFault.
+void makeSeriesFolder(const std::string& directory);
+
+/// Series for plots, thinned to what a plot can show, as files in `directory`, which must be there:
 /// loops.csv, ring_up.csv, gains.csv, estimates.csv, rates.csv, allan.csv. Throws
 /// std::runtime_error.
 void writeSeries(const RunRecord& record, const RunSummary& summary, const std::string& directory);

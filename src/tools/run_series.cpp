@@ -222,10 +222,13 @@ std::vector<std::string> seriesFiles(const std::string& directory) {
   return files;
 }
 
-void writeSeries(const RunRecord& record, const RunSummary& summary, const std::string& directory) {
+void makeSeriesFolder(const std::string& directory) {
   if (mkdir(directory.c_str(), 0777) != 0 && errno != EEXIST) {
     throw std::runtime_error(writeFault(directory, errno));
   }
+}
+
+void writeSeries(const RunRecord& record, const RunSummary& summary, const std::string& directory) {
   writeWholeFile(directory + kLoops, loopsCsv(record));
   writeWholeFile(directory + kRingUp, ringUpCsv(record, summary));
   writeWholeFile(directory + kGains, gainsCsv(record));

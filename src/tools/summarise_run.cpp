@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <iostream>
 #include <map>
 #include <optional>
@@ -109,9 +108,7 @@ int run(const Arguments& arguments) {
   outputs.push_back(arguments.json_file);
   requireApart(outputs, {arguments.bag_file});
   // The JSON may go into the folder that is made for the series.
-  if (!arguments.csv_directory.empty()) {
-    std::filesystem::create_directories(arguments.csv_directory);
-  }
+  if (!arguments.csv_directory.empty()) makeSeriesFolder(arguments.csv_directory);
   requireWritable(arguments.json_file);
   RefusedMessages refused;
   const RunRecord record = readBag(arguments.bag_file, refused);
