@@ -206,34 +206,24 @@ RunSummary summarise(const RunRecord& record, const SummaryOptions& options) {
 
   const auto first_compensated = std::find_if(blocks.begin(), blocks.end(), isCompensated);
   summary.consistency = consistencyOf(record);
-  std::uint64_t updates = 0, updates_converged = 0;
-  double nis = 0.0, nis_converged = 0.0;
+  NisTally nis;
   for (const ParameterEstimate& estimate : record.estimates()) {
     if (estimate.updated) {
-      ++updates;
-      nis += estimate.normalised_innovation_squared;
-    }
-    if (estimate.updated && summary.converged_time) {
-      ++updates_converged;
-      nis_converged += estimate.normalised_innovation_squared;
+      nis.add(estimate.normalised_innovation_squared, summary.converged_time.has_value());
     }
     if (!estimate.converged) {
       summary.converged_time.reset();
     } else if (!summary.converged_time) {
       summary.converged_time = record.time(estimate.stamp.end_ns);
     }
-    if (!summary.converged_time) {
-      updates_converged = 0;
-      nis_converged = 0.0;
-    }
+    if (!summary.converged_time) nis.startAnew();
     if (!estimate.updated) continue;
     summary.final_estimate = identificationAt(record, estimate);
     if (first_compensated == blocks.end() || estimate.stamp.end_ns < first_compensated->end_ns) {
       summary.before_compensation = summary.final_estimate;
     }
   }
-  summary.misfit =
-      updates_converged > 0 ? misfitOf(updates_converged, nis_converged) : misfitOf(updates, nis);
+  summary.misfit = nis.misfit();
   return summary;
 }
 

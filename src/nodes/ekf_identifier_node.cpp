@@ -113,7 +113,7 @@ void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& stat
   const std::uint64_t lost =
       elements.lost + gains.lost + counts.elements_alone + counts.gains_alone;
   const std::string none_used = use_.noneSinceLast(now.usable, now.unusable);
-  const std::string misfit = misfitOf(now);
+  const std::string misfit = now.nis.misfit();
   if (counts.overdue > 0 && counts.pairs == 0) {
     status.summary(DiagnosticStatus::WARN,
                    "one of orbital elements and control gains is silent, the other has come");

@@ -171,7 +171,7 @@ Json resultJson(const IdentificationResult& result, const LoopConfiguration& con
   json["failure"] = failure.empty() ? Json(nullptr) : Json(failure);
   json["damage"] = result.damage;
   json["faults"] = faultsOf(report, configuration);
-  json["converged"] = report.estimate && report.estimate->converged && misfitOf(report).empty();
+  json["converged"] = report.estimate && report.estimate->converged && report.nis.misfit().empty();
   json["convergence_time_s"] =
       report.convergence_time ? Json(*report.convergence_time) : Json(nullptr);
   json["data"] = {{"session", report.last.session},
@@ -195,8 +195,8 @@ Json resultJson(const IdentificationResult& result, const LoopConfiguration& con
     json["parameters"] = nullptr;
   }
   json["consistency"] = {
-      {"all", consistencyJson(report.updates, report.nis_sum)},
-      {"since_converged", consistencyJson(report.updates_converged, report.nis_sum_converged)}};
+      {"all", consistencyJson(report.nis.updates, report.nis.sum)},
+      {"since_converged", consistencyJson(report.nis.updates_converged, report.nis.sum_converged)}};
   json["counts"] = countsJson(report);
   json["settings"] = settings;
   return json;
@@ -291,7 +291,7 @@ std::string failureOf(const IdentificationReport& report, const LoopConfiguratio
            ": give a smaller --start-sequence";
   }
   if (report.usable == 0) return noneUsable(report, configuration);
-  if (report.updates == 0) {
+  if (report.nis.updates == 0) {
     return formatted(
         "no two whole periods of %g s with usable blocks only: record for longer, or set "
         "a shorter identification/update_period",
@@ -306,15 +306,10 @@ std::string failureOf(const IdentificationReport& report, const LoopConfiguratio
   return "";
 }
 
-std::string misfitOf(const IdentificationReport& report) {
-  return report.updates_converged > 0 ? misfitOf(report.updates_converged, report.nis_sum_converged)
-                                      : misfitOf(report.updates, report.nis_sum);
-}
-
 std::vector<std::string> faultsOf(const IdentificationReport& report,
                                   const LoopConfiguration& configuration) {
   std::vector<std::string> faults;
-  const std::string misfit = misfitOf(report);
+  const std::string misfit = report.nis.misfit();
   if (!misfit.empty()) faults.push_back(misfit);
   const auto add = [&faults](std::uint64_t count, const std::string& what) {
     if (count > 0) faults.push_back(number(count) + " " + what);
@@ -368,7 +363,7 @@ std::string identificationText(const IdentificationResult& result,
   if (!failure.empty() || !report.estimate) return text + "  not identified\n";
   const ParameterEstimate& estimate = *report.estimate;
   addParameters(text, estimate);
-  if (!misfitOf(report).empty()) {
+  if (!report.nis.misfit().empty()) {
     text += formatted("  %-12s no: the data do not fit the model, whatever the sigmas say\n",
                       "converged");
   } else {
@@ -388,8 +383,8 @@ std::string identificationText(const IdentificationResult& result,
                     static_cast<unsigned long long>(report.elements.steps_back));
   const std::string unusable = unusableText(report.unusable);
   if (!unusable.empty()) text += formatted("  %-12s %s\n", "unusable", unusable.c_str());
-  text += consistencyText("filter", report.updates, report.nis_sum);
-  text += consistencyText("  converged", report.updates_converged, report.nis_sum_converged);
+  text += consistencyText("filter", report.nis.updates, report.nis.sum);
+  text += consistencyText("  converged", report.nis.updates_converged, report.nis.sum_converged);
   return text;
 }
 

@@ -56,10 +56,7 @@ void StreamIdentifier::process(const OrbitalElements& elements, const ControlGai
   if (!started_ || identifier_.restarts() != restarts) {
     report_.first = elements.stamp;
     report_.convergence_time.reset();
-    report_.updates = 0;
-    report_.nis_sum = 0.0;
-    report_.updates_converged = 0;
-    report_.nis_sum_converged = 0.0;
+    report_.nis = {};
   }
   started_ = true;
   count(elements, gains);
@@ -85,12 +82,7 @@ void StreamIdentifier::count(const OrbitalElements& elements, const ControlGains
 void StreamIdentifier::account(const ParameterEstimate& estimate) {
   report_.estimate = estimate;
   if (estimate.updated) {
-    ++report_.updates;
-    report_.nis_sum += estimate.normalised_innovation_squared;
-    if (report_.convergence_time) {
-      ++report_.updates_converged;
-      report_.nis_sum_converged += estimate.normalised_innovation_squared;
-    }
+    report_.nis.add(estimate.normalised_innovation_squared, report_.convergence_time.has_value());
   }
   if (estimate.converged && !report_.convergence_time) {
     report_.convergence_time =

@@ -209,7 +209,7 @@ class Identification {
 
 struct ExtendedReport {
   std::string text;    // a table for people
-  std::string misfit;  // as misfitOf()
+  std::string misfit;  // as NisTally::misfit()
 };
 
 /// The extended identifier over the same run.
@@ -220,8 +220,7 @@ ExtendedReport extendedReport(const std::vector<std::string>& bags, const Argume
       readRecordedRun(bags, wanted.topics, wanted.start, wanted.duration.value_or(0.0));
   ExtendedIdentifier identifier(configuration.extended, configuration.converter);
   ExtendedEstimate last;
-  double nis_sum = 0.0, all_sum = 0.0;
-  std::uint64_t updates = 0, all_updates = 0;
+  NisTally nis;
   for (const RecordedPair& pair : run.pairs) {
     if (pair.elements.stamp.sequence < wanted.start_sequence) continue;
     const auto estimate = identifier.process(
@@ -229,26 +228,22 @@ ExtendedReport extendedReport(const std::vector<std::string>& bags, const Argume
     if (!estimate) continue;
     last = *estimate;
     if (!last.updated || !last.whole_period) continue;
-    all_sum += last.normalised_innovation_squared;
-    ++all_updates;
-    if (!last.settled) continue;
-    nis_sum += last.normalised_innovation_squared;
-    ++updates;
+    nis.add(last.normalised_innovation_squared, last.settled);
   }
   if (!last.scaled) {
     return {"  extended     not identified: no complete period of usable blocks\n", ""};
   }
   char line[160];
   std::string text;
-  const std::string misfit =
-      updates > 0 ? misfitOf(updates, nis_sum, 4) : misfitOf(all_updates, all_sum, 4);
-  std::snprintf(line, sizeof line,
-                "  extended     %s, Q %.8g, mean NIS %.3f of 4 over %llu updates\n",
-                !misfit.empty() ? "does not fit"
-                : last.settled  ? "settled"
-                                : "the cubic term is not found yet",
-                last.quality_factor, updates > 0 ? nis_sum / static_cast<double>(updates) : 0.0,
-                static_cast<unsigned long long>(updates));
+  const std::string misfit = nis.misfit(4);
+  const std::uint64_t updates = nis.updates_converged;
+  std::snprintf(
+      line, sizeof line, "  extended     %s, Q %.8g, mean NIS %.3f of 4 over %llu updates\n",
+      !misfit.empty() ? "does not fit"
+      : last.settled  ? "settled"
+                      : "the cubic term is not found yet",
+      last.quality_factor, updates > 0 ? nis.sum_converged / static_cast<double>(updates) : 0.0,
+      static_cast<unsigned long long>(updates));
   text += line;
   for (std::size_t k = 4; k < identifier.names().size(); ++k) {
     const auto state = static_cast<Eigen::Index>(k);

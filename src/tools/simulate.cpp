@@ -41,9 +41,8 @@ struct Summary {
   double wall = 0.0;                   // [s]
   std::optional<double> locked_after;  // [s]
   std::optional<ParameterEstimate> estimate;
-  std::uint64_t updates = 0;  // since it first said converged, or all until then
-  double nis_sum = 0.0;       // of their normalised innovations squared
-  bool converged = false;     // it has said so
+  NisTally nis;
+  bool converged = false;  // the identifier has said so
   std::optional<CompensationDecision> decision;
   OrbitalElements elements;
   std::uint64_t messages = 0;
@@ -75,13 +74,9 @@ std::optional<Arguments> parse(int argc, char** argv) {
 void take(const ParameterEstimate& estimate, Summary& summary) {
   summary.estimate = estimate;
   if (estimate.updated) {
-    ++summary.updates;
-    summary.nis_sum += estimate.normalised_innovation_squared;
+    summary.nis.add(estimate.normalised_innovation_squared, summary.converged);
   }
-  if (!estimate.converged || summary.converged) return;
-  summary.converged = true;
-  summary.updates = 0;
-  summary.nis_sum = 0.0;
+  summary.converged = summary.converged || estimate.converged;
 }
 
 Summary simulate(const LoopConfiguration& configuration, const Arguments& arguments) {
@@ -141,9 +136,9 @@ void print(const Summary& summary, const LoopConfiguration& configuration,
     line("mu2", kMu2, truth.mu2);
     line("ks", kDriveGain, truth.driveGain());
     std::printf("estimate   %s, %lu blocks used, %lu rejected, %lu lost\n",
-                !misfitOf(summary.updates, summary.nis_sum).empty() ? "does not fit the data"
-                : summary.estimate->converged                       ? "converged"
-                                                                    : "not converged",
+                !summary.nis.misfit().empty() ? "does not fit the data"
+                : summary.estimate->converged ? "converged"
+                                              : "not converged",
                 static_cast<unsigned long>(summary.estimate->used_blocks),
                 static_cast<unsigned long>(summary.estimate->rejected_blocks),
                 static_cast<unsigned long>(summary.estimate->lost_blocks));

@@ -17,7 +17,24 @@ NisBounds nisBounds(std::uint64_t updates, int degrees_of_freedom = 2);
 /// are not of the model: whatever the sigmas are, they are not those of the parameters.
 constexpr double kHopelessNis = 10.0;
 
-/// Why an estimate does not fit its data, one line with the mend; empty: it may.
-std::string misfitOf(std::uint64_t updates, double nis_sum, int degrees_of_freedom = 2);
+/// Normalised innovations squared of the updates of a filter, of all and of those that count: since
+/// it has converged (or settled), when its first guesses are over.
+struct NisTally {
+  std::uint64_t updates = 0;
+  double sum = 0.0;
+  std::uint64_t updates_converged = 0;
+  double sum_converged = 0.0;
+
+  /// `converged`: before this update.
+  void add(double normalised_innovation_squared, bool converged);
+  /// It has not converged after all.
+  void startAnew() {
+    updates_converged = 0;
+    sum_converged = 0.0;
+  }
+  /// Why an estimate does not fit its data, by the updates since it converged, or by all without
+  /// any; one line with the mend; empty: it may.
+  std::string misfit(int degrees_of_freedom = 2) const;
+};
 
 }  // namespace ring_gyro

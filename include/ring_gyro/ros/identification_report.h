@@ -52,10 +52,7 @@ struct IdentificationReport {
   BlockStamp last;   ///< last pair
   /// Of the last start of the filter: data from its first block until it first said converged [s].
   std::optional<double> convergence_time;
-  std::uint64_t updates = 0;            ///< estimates with data, of the last start
-  double nis_sum = 0.0;                 ///< of their normalised innovations squared
-  std::uint64_t updates_converged = 0;  ///< those since it first said converged
-  double nis_sum_converged = 0.0;
+  NisTally nis;  ///< of the last start; converged: since it first said so
   std::uint64_t filter_restarts = 0;
 
   PairMerge::Counts pairs;
@@ -82,9 +79,6 @@ struct IdentificationResult {
 
 /// Why there is nothing to rely on, one line with the mend; empty: identified.
 std::string failureOf(const IdentificationReport& report, const LoopConfiguration& configuration);
-/// Why the parameters that came out are not to be relied on, one line with the mend; empty: the
-/// data fit the model. Judged by the updates since it first said converged, or by all without any.
-std::string misfitOf(const IdentificationReport& report);
 /// What was wrong with the data although parameters came out, or with their fit, one line each.
 std::vector<std::string> faultsOf(const IdentificationReport& report,
                                   const LoopConfiguration& configuration);
