@@ -24,24 +24,25 @@ double processTime() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace cvg;
   if (argc < 3) {
     std::fprintf(stderr, "usage: bag_benchmark RUN.bag CONFIG.yaml [options]\n");
     return 1;
   }
   const std::string path = argv[1];
-  const LoopConfiguration configuration = readConfigurationFile(argv[2]);
+  const cvg::LoopConfiguration configuration = cvg::readConfigurationFile(argv[2]);
   argv[2] = argv[0];
   int count = argc - 2;
   benchmark::Initialize(&count, argv + 2);
   const auto add = [&](const char* name, double (*clock)()) {
-    benchmark::RegisterBenchmark(name,
-                                 [&, clock](benchmark::State& state) {
-                                   timeInTurns(
-                                       state, clock, 1.0,
-                                       [&] { BagIdentification({path}, configuration).run(); }, 1.0,
-                                       [&] { benchmark::DoNotOptimize(readBag(path)); });
-                                 })
+    benchmark::RegisterBenchmark(
+        name,
+        [&, clock](benchmark::State& state) {
+          timeInTurns(
+              state, clock, 1.0,
+              [&] { ring_gyro::bridge::BagIdentification({path}, configuration).run(); }, 1.0,
+              [&] { benchmark::DoNotOptimize(ring_gyro::benchmark::readBag(path)); });
+        })
         ->UseManualTime()
         ->Iterations(11);
   };

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace ring_gyro {
+namespace ring_gyro::benchmark {
 
 /// A rosbag::View over orbital elements and control gains, each message copied out and dropped.
 /// Gives their number.
@@ -33,4 +33,4 @@ inline std::uint64_t readBag(const std::string& path) {
   return messages;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::benchmark

@@ -10,7 +10,7 @@
 #include "loop_benchmark.h"
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace cvg;
   bool quick = false;
   std::vector<char*> arguments;
   for (int i = 0; i < argc; ++i) {

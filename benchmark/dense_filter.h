@@ -9,7 +9,7 @@
 #include "ring_gyro/identification/averaged_model.h"
 #include "ring_gyro/identification/interval_filter.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// The filter (29) as most C++ Kalman libraries write it: seven states, full 7x7 matrices of fixed
 /// size, predict, update, Joseph's form. It knows nothing of what is zero or identity.
@@ -121,4 +121,4 @@ class DenseFilter {
   Eigen::Matrix<Real, 2, 2> measurement_noise_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

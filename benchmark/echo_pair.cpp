@@ -18,17 +18,17 @@
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::benchmark {
 namespace {
 
-using Block = ring_gyro_msgs::DisplacementBlock;
-using Command = ring_gyro_msgs::DriveCommand;
+using Block = ring_gyro::DisplacementBlock;
+using Command = ring_gyro::DriveCommand;
 
 /// ros::spin(), or the way of this package's nodes.
 class Spinner {
  public:
   explicit Spinner(bool network_thread) {
-    if (network_thread) spinner_ = std::make_unique<NetworkThreadSpinner>();
+    if (network_thread) spinner_ = std::make_unique<nodes::NetworkThreadSpinner>();
   }
   void use(ros::NodeHandle& handle) {
     if (spinner_) handle.setCallbackQueue(spinner_->queue());
@@ -49,15 +49,15 @@ class Spinner {
   }
 
  private:
-  std::unique_ptr<NetworkThreadSpinner> spinner_;
+  std::unique_ptr<nodes::NetworkThreadSpinner> spinner_;
 };
 
 void answer(Spinner& spinner) {
   ros::NodeHandle handle;
   spinner.use(handle);
-  ros::Publisher commands = handle.advertise<Command>(topics::kDriveCommand, 0);
+  ros::Publisher commands = handle.advertise<Command>(bridge::topics::kDriveCommand, 0);
   const ros::Subscriber blocks = handle.subscribe<Block>(
-      topics::kDisplacement, 0,
+      bridge::topics::kDisplacement, 0,
       [&commands](const Block::ConstPtr& block) {
         const auto command = boost::make_shared<Command>();
         command->header.stamp = block->header.stamp;
@@ -72,7 +72,7 @@ void answer(Spinner& spinner) {
 void ask(Spinner& spinner, std::uint64_t count, std::size_t samples) {
   ros::NodeHandle handle;
   spinner.use(handle);
-  ros::Publisher blocks = handle.advertise<Block>(topics::kDisplacement, 0);
+  ros::Publisher blocks = handle.advertise<Block>(bridge::topics::kDisplacement, 0);
   std::uint64_t sequence = 0;
   const auto send = [&] {
     const auto block = boost::make_shared<Block>();
@@ -83,7 +83,7 @@ void ask(Spinner& spinner, std::uint64_t count, std::size_t samples) {
   };
   std::chrono::steady_clock::time_point begin;
   const ros::Subscriber commands = handle.subscribe<Command>(
-      topics::kDriveCommand, 0,
+      bridge::topics::kDriveCommand, 0,
       [&](const Command::ConstPtr& command) {
         if (command->answers_sequence != sequence) return;
         if (++sequence < count) {
@@ -106,10 +106,10 @@ void ask(Spinner& spinner, std::uint64_t count, std::size_t samples) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::benchmark
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace ring_gyro::benchmark;
   const bool network_thread = std::strcmp(argv[argc - 1], "--network-thread") == 0;
   if (network_thread) --argc;
   const bool plant = argc == 4 && std::strcmp(argv[1], "plant") == 0;

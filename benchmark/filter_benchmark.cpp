@@ -13,7 +13,7 @@
 #include "interleaved.h"
 #include "ring_gyro/identification/interval_filter.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kFrequency = 14e3;
@@ -143,4 +143,4 @@ void filterAccuracy(benchmark::State& state, std::int64_t steps) {
   state.counters["worst_sigma"] = worst_sigma;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Predict and update of the identifier's filter against the dense filter, time per step.
 void filterAgainstDense(benchmark::State& state);
@@ -13,4 +13,4 @@ void filterAgainstDense(benchmark::State& state);
 /// worst_state [sigma of the reference], worst_sigma [1].
 void filterAccuracy(benchmark::State& state, std::int64_t steps);
 
-}  // namespace ring_gyro
+}  // namespace cvg

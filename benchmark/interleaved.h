@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Processor time of the calling thread [s]: other work on the machine does not count.
 inline double threadTime() {
@@ -65,4 +65,4 @@ void timeInTurns(benchmark::State& state, Clock clock, double our_items, Ours ou
   state.counters["ratio"] = median(ratios);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

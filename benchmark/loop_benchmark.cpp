@@ -20,7 +20,7 @@
 #include "ring_gyro/simulation/closed_loop.h"
 #include "ring_gyro/simulation/monte_carlo.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 namespace odeint = boost::numeric::odeint;
@@ -323,4 +323,4 @@ void twoCoresAgainstOne(benchmark::State& state, const std::string& configuratio
       });
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Plant under drive, frequency and conditions that change every block against one step of
 /// Boost.odeint's fehlberg78 a sample; time per block. Further counters: our_error, peer_error,
@@ -26,4 +26,4 @@ void oldAgainstYoung(benchmark::State& state, const std::string& configuration_f
 /// A batch of closed-loop runs on two threads against one, wall time per run.
 void twoCoresAgainstOne(benchmark::State& state, const std::string& configuration_file);
 
-}  // namespace ring_gyro
+}  // namespace cvg

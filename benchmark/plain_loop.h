@@ -14,7 +14,7 @@
 #include "ring_gyro/demodulation/demodulator.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// The closed loop as one writes it without further thought: the equations of motion by classical
 /// Runge-Kutta at 8 steps a sample (114 a cycle at 14 kHz), std::normal_distribution, std::sin and
@@ -130,4 +130,4 @@ class PlainLoop {
   std::normal_distribution<double> normal_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -12,7 +12,8 @@ int main(int argc, char** argv) {
     return EXIT_FAILURE;
   }
   try {
-    std::printf("%llu messages\n", static_cast<unsigned long long>(ring_gyro::readBag(argv[1])));
+    std::printf("%llu messages\n",
+                static_cast<unsigned long long>(ring_gyro::benchmark::readBag(argv[1])));
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "read_bag: %s\n", error.what());

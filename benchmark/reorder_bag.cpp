@@ -9,7 +9,7 @@
 #include "bag_fixture.h"
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace ring_gyro::test;
   const std::string order = argc == 4 ? argv[3] : "";
   if (order != "bursts" && order != "topics") {
     std::fprintf(stderr, "usage: reorder_bag RUN.bag OTHER.bag bursts|topics\n");

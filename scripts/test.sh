@@ -128,6 +128,15 @@ installed_launch() { # nodelets
   run_installed rosrun ring_gyro summarise_run "$work/installed_launch.bag"
 }
 
+# With the graph above, each nodelet there is has been loaded from the install space.
+installed_calibration() {
+  rm -f "$work/installed_calibration.yaml"
+  run_installed timeout -s INT 240 roslaunch -p "$installed_port" ring_gyro calibration.launch \
+    config:="$root/test/short_calibration.yaml" nodelets:=true \
+    calibration:="$work/installed_calibration.yaml" || return 1
+  [ -s "$work/installed_calibration.yaml" ]
+}
+
 check format format || true
 check floors "$root/scripts/check_floors.py" || true
 if check build build_tests; then
@@ -145,6 +154,7 @@ if check install install_release; then
   check installed_simulate installed_simulate || true
   check installed_launch installed_launch false || true
   check installed_nodelets installed_launch true || true
+  check installed_calibration installed_calibration || true
 fi
 
 mkdir -p "$work/release/test_results"

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -91,4 +91,4 @@ TEST(LongestStretch, isBetweenGaps) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

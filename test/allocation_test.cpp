@@ -44,7 +44,7 @@ void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memo
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 long allocationsOfLoop(const std::vector<std::string>& overrides, int blocks) {
@@ -94,4 +94,4 @@ TEST(Allocation, NorSampleBySample) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

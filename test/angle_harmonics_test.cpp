@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 TEST(AngleHarmonics, AreTheSumOfTheirOrders) {
@@ -29,4 +29,4 @@ TEST(AngleHarmonics, AddUpOrderByOrder) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 TEST(WrapToPi, IsTheRemainderToTheLastBit) {
@@ -36,4 +36,4 @@ TEST(WrapToPi, OfWhatIsNotFiniteIsNotANumber) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

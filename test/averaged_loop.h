@@ -11,7 +11,7 @@
 #include "ring_gyro/demodulation/orbital_elements.h"
 #include "ring_gyro/identification/averaged_model.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A locked gyroscope on the averaged model: what the identifier gets to see, without the cost of
 /// the time domain. Loops are plain PI controllers.
@@ -172,4 +172,4 @@ class AveragedLoop {
   std::int64_t end_ns_ = 1000000000;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -12,7 +12,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -474,4 +474,4 @@ TEST(AveragedModel, IntegrateConvergesWithTheFourthPowerOfItsStep) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -13,7 +13,7 @@
 
 #include "bag_fixture.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 struct Outcome {
@@ -28,9 +28,9 @@ class BadBagTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    recordRun(
-        readConfigurationFile(configuration(), {"run/duration=3.05", "control/virtual_rate=1.0"}),
-        good());
+    recordRun(cvg::readConfigurationFile(configuration(),
+                                         {"run/duration=3.05", "control/virtual_rate=1.0"}),
+              good());
   }
   static void TearDownTestSuite() { folder_.reset(); }
 
@@ -206,7 +206,7 @@ TEST_F(BadBagTest, WrongMd5) {
   BagChange change;
   change.compression = rosbag::compression::Uncompressed;
   std::string bytes = contentsOf(changed("plain.bag", change));
-  const std::string md5 = ros::message_traits::md5sum<ring_gyro_msgs::ControlGains>();
+  const std::string md5 = ros::message_traits::md5sum<ring_gyro::ControlGains>();
   for (std::size_t at = bytes.find(md5); at != std::string::npos; at = bytes.find(md5, at)) {
     bytes.replace(at, md5.size(), std::string(md5.size(), 'e'));
   }
@@ -218,7 +218,7 @@ TEST_F(BadBagTest, TwoTopics) {
   BagChange change;
   change.elements_topic = "/second/orbital_elements";
   const std::string bag = changed("two.bag", change);
-  ring_gyro_msgs::OrbitalElements message;
+  ring_gyro::OrbitalElements message;
   rosbag::Bag(bag, rosbag::bagmode::Append)
       .write("/first/orbital_elements", ros::Time(2.0), message);
   expectRefused(bag, "two topics", "--elements");
@@ -365,8 +365,9 @@ TEST_F(BadBagTest, ASecondPlantIsLeftOutOnceItIsLeft) {
         }
         to.write(topic, instance.getTime(), *message);
       };
-      write_both(instance.instantiate<ring_gyro_msgs::OrbitalElements>(), topics::kOrbitalElements);
-      write_both(instance.instantiate<ring_gyro_msgs::ControlGains>(), topics::kControlGains);
+      write_both(instance.instantiate<ring_gyro::OrbitalElements>(),
+                 bridge::topics::kOrbitalElements);
+      write_both(instance.instantiate<ring_gyro::ControlGains>(), bridge::topics::kControlGains);
     }
   }
   const auto result =
@@ -505,4 +506,4 @@ TEST_F(BadBagTest, OutputIsWholeOrNotThere) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

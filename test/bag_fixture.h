@@ -24,7 +24,7 @@
 #include "ring_gyro/ros/topics.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 
 /// Folder that goes away with the test.
 class TemporaryFolder {
@@ -61,19 +61,19 @@ inline bool exists(const std::string& path) {
 }
 
 /// The loop of a preset in one process, recorded. Returns its estimates, as messages.
-inline std::vector<ring_gyro_msgs::ParameterEstimate> recordRun(
-    const LoopConfiguration& configuration, const std::string& path) {
-  ClosedLoop loop(configuration);
-  LoopRecorder recorder(path, false);
-  std::vector<ring_gyro_msgs::ParameterEstimate> estimates;
-  BlockStamp last;
+inline std::vector<ring_gyro::ParameterEstimate> recordRun(
+    const cvg::LoopConfiguration& configuration, const std::string& path) {
+  cvg::ClosedLoop loop(configuration);
+  bridge::LoopRecorder recorder(path, false);
+  std::vector<ring_gyro::ParameterEstimate> estimates;
+  cvg::BlockStamp last;
   const std::uint64_t blocks = configuration.run.blocks(configuration.converter);
   for (std::uint64_t i = 0; i < blocks; ++i) {
-    const LoopRecord record = loop.step();
+    const cvg::LoopRecord record = loop.step();
     recorder.write(record);
     if (record.estimate) {
       estimates.emplace_back();
-      toMessage(*record.estimate, record.identifier.covariance(), estimates.back());
+      bridge::toMessage(*record.estimate, record.identifier.covariance(), estimates.back());
     }
     last = record.displacement.stamp;
   }
@@ -84,10 +84,10 @@ inline std::vector<ring_gyro_msgs::ParameterEstimate> recordRun(
 /// How a copy of a recorded run differs from it. What is returned is how often to write the
 /// message.
 struct BagChange {
-  std::function<int(ring_gyro_msgs::OrbitalElements&)> elements;
-  std::function<int(ring_gyro_msgs::ControlGains&)> gains;
-  std::string elements_topic = topics::kOrbitalElements;
-  std::string gains_topic = topics::kControlGains;
+  std::function<int(ring_gyro::OrbitalElements&)> elements;
+  std::function<int(ring_gyro::ControlGains&)> gains;
+  std::string elements_topic = bridge::topics::kOrbitalElements;
+  std::string gains_topic = bridge::topics::kControlGains;
   rosbag::CompressionType compression = rosbag::compression::LZ4;
 };
 
@@ -109,9 +109,8 @@ inline void copyBag(const std::string& from_path, const std::string& to_path,
   to.setChunkThreshold(64 * 1024);
   rosbag::View view(from);
   for (const rosbag::MessageInstance& instance : view) {
-    copyMessage<ring_gyro_msgs::OrbitalElements>(instance, change.elements_topic, change.elements,
-                                                 to);
-    copyMessage<ring_gyro_msgs::ControlGains>(instance, change.gains_topic, change.gains, to);
+    copyMessage<ring_gyro::OrbitalElements>(instance, change.elements_topic, change.elements, to);
+    copyMessage<ring_gyro::ControlGains>(instance, change.gains_topic, change.gains, to);
   }
   to.close();
 }
@@ -170,4 +169,4 @@ inline void reorderBag(const std::string& from_path, const std::string& to_path,
   to.close();
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

@@ -11,12 +11,12 @@
 #include "ring_gyro/ros/bag_validation.h"
 #include "ring_gyro/ros/conversions.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
-using Estimates = std::vector<ring_gyro_msgs::ParameterEstimate>;
+using Estimates = std::vector<ring_gyro::ParameterEstimate>;
 
-std::vector<std::uint8_t> bytesOf(const ring_gyro_msgs::ParameterEstimate& message) {
+std::vector<std::uint8_t> bytesOf(const ring_gyro::ParameterEstimate& message) {
   std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(message));
   ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   ros::serialization::serialize(stream, message);
@@ -32,16 +32,16 @@ void expectSame(const Estimates& a, const Estimates& b) {
 
 struct Identified {
   Estimates estimates;
-  IdentificationResult result;
+  bridge::IdentificationResult result;
 };
 
 class BagIdentificationTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    configuration_ = std::make_unique<LoopConfiguration>(
-        readConfigurationFile(std::string(RING_GYRO_CONFIG_DIR) + "/paper_simulation.yaml",
-                              {"run/duration=4.05", "control/virtual_rate=1.0"}));
+    configuration_ = std::make_unique<cvg::LoopConfiguration>(
+        cvg::readConfigurationFile(std::string(RING_GYRO_CONFIG_DIR) + "/paper_simulation.yaml",
+                                   {"run/duration=4.05", "control/virtual_rate=1.0"}));
     live_ = recordRun(*configuration_, bag());
   }
   static void TearDownTestSuite() {
@@ -51,32 +51,32 @@ class BagIdentificationTest : public testing::Test {
 
   static std::string bag() { return folder_->file("run.bag"); }
   static Identified identify(const std::vector<std::string>& bags,
-                             const BagIdentificationOptions& options = {}) {
+                             const bridge::BagIdentificationOptions& options = {}) {
     Identified run;
-    BagIdentification identification(bags, *configuration_, options);
+    bridge::BagIdentification identification(bags, *configuration_, options);
     run.result = identification.run(
-        [&run](const ParameterEstimate& estimate, const StateMatrix& covariance) {
+        [&run](const cvg::ParameterEstimate& estimate, const cvg::StateMatrix& covariance) {
           run.estimates.emplace_back();
-          toMessage(estimate, covariance, run.estimates.back());
+          bridge::toMessage(estimate, covariance, run.estimates.back());
         });
     return run;
   }
 
   static std::unique_ptr<TemporaryFolder> folder_;
-  static std::unique_ptr<LoopConfiguration> configuration_;
+  static std::unique_ptr<cvg::LoopConfiguration> configuration_;
   static Estimates live_;
 };
 
 std::unique_ptr<TemporaryFolder> BagIdentificationTest::folder_;
-std::unique_ptr<LoopConfiguration> BagIdentificationTest::configuration_;
+std::unique_ptr<cvg::LoopConfiguration> BagIdentificationTest::configuration_;
 Estimates BagIdentificationTest::live_;
 
 TEST_F(BagIdentificationTest, GivesTheBitsOfTheLiveRun) {
   const Identified run = identify({bag()});
   expectSame(run.estimates, live_);
   EXPECT_EQ(live_.size(), 40u);
-  EXPECT_EQ(failureOf(run.result.report, *configuration_), "");
-  EXPECT_TRUE(faultsOf(run.result.report, *configuration_).empty());
+  EXPECT_EQ(bridge::failureOf(run.result.report, *configuration_), "");
+  EXPECT_TRUE(bridge::faultsOf(run.result.report, *configuration_).empty());
   EXPECT_EQ(run.result.report.pairs.pairs, 4050u);  // the tail after the last period too
   EXPECT_EQ(run.result.report.last.sequence, 4049u);
 }
@@ -104,22 +104,22 @@ TEST_F(BagIdentificationTest, SplitBagsContinueAsOneRun) {
   const Identified run = identify(
       {folder_->file("split_2.bag"), folder_->file("split_0.bag"), folder_->file("split_1.bag")});
   expectSame(run.estimates, live_);
-  EXPECT_TRUE(faultsOf(run.result.report, *configuration_).empty());
+  EXPECT_TRUE(bridge::faultsOf(run.result.report, *configuration_).empty());
 }
 
 TEST_F(BagIdentificationTest, StartSequenceIsAnIdentifierStartedThere) {
-  Identifier identifier(configuration_->identification, configuration_->converter);
+  cvg::Identifier identifier(configuration_->identification, configuration_->converter);
   Estimates expected;
-  ClosedLoop loop(*configuration_);
+  cvg::ClosedLoop loop(*configuration_);
   for (std::uint64_t i = 0; i < 4050; ++i) {
-    const LoopRecord record = loop.step();
+    const cvg::LoopRecord record = loop.step();
     if (i < 1537) continue;
     if (const auto estimate = identifier.process(record.loops.elements, record.loops.gains)) {
       expected.emplace_back();
-      toMessage(*estimate, identifier.covariance(), expected.back());
+      bridge::toMessage(*estimate, identifier.covariance(), expected.back());
     }
   }
-  BagIdentificationOptions options;
+  bridge::BagIdentificationOptions options;
   options.start_sequence = 1537;
   const Identified run = identify({bag()}, options);
   expectSame(run.estimates, expected);
@@ -127,14 +127,14 @@ TEST_F(BagIdentificationTest, StartSequenceIsAnIdentifierStartedThere) {
 }
 
 TEST_F(BagIdentificationTest, StartAndDurationAreThoseOfTheBag) {
-  BagIdentificationOptions options;
+  bridge::BagIdentificationOptions options;
   options.start = 1.5;
   options.duration = 1.0;
   const Identified run = identify({bag()}, options);
   EXPECT_EQ(run.result.report.first.sequence, 1500u);
   EXPECT_EQ(run.result.report.last.sequence, 2500u);
   options.start = 5.0;
-  EXPECT_THROW(identify({bag()}, options), BagError);
+  EXPECT_THROW(identify({bag()}, options), bridge::BagError);
 }
 
 TEST_F(BagIdentificationTest, LostMessagesAreCounted) {
@@ -148,7 +148,7 @@ TEST_F(BagIdentificationTest, LostMessagesAreCounted) {
   EXPECT_EQ(run.result.report.pairs.gains_alone, 10u);
   EXPECT_EQ(run.result.report.pairs.elements_alone, 1u);
   EXPECT_EQ(run.estimates.back().lost_blocks, 11u);
-  EXPECT_EQ(failureOf(run.result.report, *configuration_), "");
+  EXPECT_EQ(bridge::failureOf(run.result.report, *configuration_), "");
 }
 
 TEST_F(BagIdentificationTest, CutOffBagIsIdentifiedAsFarAsItGoes) {
@@ -176,19 +176,20 @@ TEST_F(BagIdentificationTest, DamagedChunkIsPassedOver) {
     ASSERT_EQ(run.result.damage.size(), 1u);
     EXPECT_GT(run.result.report.elements.lost, 0u) << run.result.damage.front();
     EXPECT_EQ(run.result.report.last.sequence, 4049u) << run.result.damage.front();
-    EXPECT_EQ(failureOf(run.result.report, *configuration_), "");
+    EXPECT_EQ(bridge::failureOf(run.result.report, *configuration_), "");
   }
 }
 
 TEST_F(BagIdentificationTest, JsonHasAllNumbersToTheLastBit) {
   const Identified run = identify({bag()});
-  const auto json = nlohmann::json::parse(identificationJson({run.result}, *configuration_));
+  const auto json =
+      nlohmann::json::parse(bridge::identificationJson({run.result}, *configuration_));
   const auto& object = json.at("runs").at(0);
   EXPECT_TRUE(object.at("identified").get<bool>());
   EXPECT_EQ(object.at("parameters").at("ks").at("value").get<double>(),
-            live_.back().value[kDriveGain]);
-  const std::pair<const char*, StateIndex> sigmas[] = {
-      {"a", kA}, {"b", kB}, {"gamma2", kGamma2}, {"ks", kDriveGain}};
+            live_.back().value[cvg::kDriveGain]);
+  const std::pair<const char*, cvg::StateIndex> sigmas[] = {
+      {"a", cvg::kA}, {"b", cvg::kB}, {"gamma2", cvg::kGamma2}, {"ks", cvg::kDriveGain}};
   for (const auto& [name, state] : sigmas) {
     EXPECT_EQ(object.at("parameters").at(name).at("sigma").get<double>(), live_.back().sigma[state])
         << name;
@@ -202,11 +203,11 @@ TEST_F(BagIdentificationTest, JsonHasAllNumbersToTheLastBit) {
 
 TEST(NisBounds, AreThoseOfTheTables) {
   // Chi-squared with 2 and with 100 degrees of freedom.
-  EXPECT_NEAR(nisBounds(1).lower, 0.050636, 1e-5);
-  EXPECT_NEAR(nisBounds(1).upper, 7.377759, 1e-5);
-  EXPECT_NEAR(nisBounds(50).lower, 74.2219 / 50.0, 1e-5);
-  EXPECT_NEAR(nisBounds(50).upper, 129.5612 / 50.0, 1e-5);
+  EXPECT_NEAR(cvg::nisBounds(1).lower, 0.050636, 1e-5);
+  EXPECT_NEAR(cvg::nisBounds(1).upper, 7.377759, 1e-5);
+  EXPECT_NEAR(cvg::nisBounds(50).lower, 74.2219 / 50.0, 1e-5);
+  EXPECT_NEAR(cvg::nisBounds(50).upper, 129.5612 / 50.0, 1e-5);
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

@@ -11,7 +11,7 @@
 #include "bag_fixture.h"
 #include "ring_gyro/ros/chunk_merge.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 /// A tool, run in a folder with run.bag in it, and the files that it writes there besides.
@@ -24,9 +24,9 @@ class BagOrderTest : public testing::TestWithParam<std::tuple<BagOrder, rosbag::
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    recordRun(
-        readConfigurationFile(configuration(), {"run/duration=3.05", "control/virtual_rate=1.0"}),
-        straight());
+    recordRun(cvg::readConfigurationFile(configuration(),
+                                         {"run/duration=3.05", "control/virtual_rate=1.0"}),
+              straight());
     for (const Command& command : commands()) expected_.push_back(run(command, folder_->file("")));
   }
   static void TearDownTestSuite() {
@@ -84,13 +84,13 @@ TEST_P(BagOrderTest, EachChunkIsDecompressedOnce) {
   const TemporaryFolder folder;
   const std::string bag = folder.file("run.bag");
   reorderBag(straight(), bag, std::get<0>(GetParam()), std::get<1>(GetParam()));
-  const BagContents contents = contentsByIndex(bag);
+  const bridge::BagContents contents = bridge::contentsByIndex(bag);
   std::uint64_t messages = 0;
-  BagSinks sinks;
-  for (const BagConnection& connection : contents.connections) {
-    sinks[connection.id] = [&messages](const BagMessage&) { ++messages; };
+  bridge::BagSinks sinks;
+  for (const bridge::BagConnection& connection : contents.connections) {
+    sinks[connection.id] = [&messages](const bridge::BagMessage&) { ++messages; };
   }
-  const auto outcome = ChunkMerge(bag, contents, sinks, ros::TIME_MIN, ros::TIME_MAX).run();
+  const auto outcome = bridge::ChunkMerge(bag, contents, sinks, ros::TIME_MIN, ros::TIME_MAX).run();
   EXPECT_EQ(messages, contents.messages());
   EXPECT_GT(contents.chunks.size(), 30u);
   EXPECT_EQ(outcome.chunks_opened, contents.chunks.size());
@@ -107,4 +107,4 @@ INSTANTIATE_TEST_SUITE_P(
                     std::make_tuple(BagOrder::kStray, rosbag::compression::LZ4)));
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

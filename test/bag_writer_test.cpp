@@ -18,7 +18,7 @@
 #include "ring_gyro/ros/run_ends.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,9 +34,9 @@ class BagWriterTest : public ::testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   /// Numbers that cannot be compressed, so that the file grows with the messages.
-  static void writeBlocks(BagWriter& writer, std::uint64_t count) {
-    ring_gyro_msgs::OrbitalElements elements;
-    ring_gyro_msgs::ControlGains gains;
+  static void writeBlocks(bridge::BagWriter& writer, std::uint64_t count) {
+    ring_gyro::OrbitalElements elements;
+    ring_gyro::ControlGains gains;
     std::uint64_t state = 1;
     const auto number = [&state] {
       state = state * 6364136223846793005u + 1442695040888963407u;
@@ -48,8 +48,8 @@ class BagWriterTest : public ::testing::Test {
       elements.sequence = gains.sequence = block;
       elements.a = number(), elements.b = number(), elements.theta = number();
       elements.phi = number(), gains.beta = number(), gains.alpha = number();
-      writer.write(topics::kOrbitalElements, elements);
-      writer.write(topics::kControlGains, gains);
+      writer.write(bridge::topics::kOrbitalElements, elements);
+      writer.write(bridge::topics::kControlGains, gains);
     }
   }
 
@@ -70,8 +70,8 @@ class BagWriterTest : public ::testing::Test {
 
   static std::uint64_t blocksIn(const std::string& bag) {
     std::uint64_t blocks = 0;
-    LoopBag(bag).read([&](const auto&, const ros::Time&) { ++blocks; },
-                      [](const auto&, const ros::Time&) {});
+    bridge::LoopBag(bag).read([&](const auto&, const ros::Time&) { ++blocks; },
+                              [](const auto&, const ros::Time&) {});
     return blocks;
   }
 
@@ -111,7 +111,7 @@ class FileSizeLimit {
 };
 
 TEST_F(BagWriterTest, IsThereWhenItIsFinished) {
-  BagWriter writer(path("x.bag"));
+  bridge::BagWriter writer(path("x.bag"));
   writeBlocks(writer, 10);
   EXPECT_FALSE(fs::exists(path("x.bag")));
   EXPECT_NE(only(".active"), "");
@@ -122,24 +122,24 @@ TEST_F(BagWriterTest, IsThereWhenItIsFinished) {
 
 TEST_F(BagWriterTest, KeepsWhatWasWrittenUntilItWasCut) {
   {
-    BagWriter writer(path("x.bag"));
+    bridge::BagWriter writer(path("x.bag"));
     writeBlocks(writer, 10);
   }
   EXPECT_FALSE(fs::exists(path("x.bag")));
   EXPECT_EQ(blocksIn(only(".active")), 10u);
   {
-    BagWriter writer(path("y.bag"));
+    bridge::BagWriter writer(path("y.bag"));
     writeBlocks(writer, 10);
     writer.discard();
   }
-  { const BagWriter writer(path("z.bag")); }
+  { const bridge::BagWriter writer(path("z.bag")); }
   EXPECT_EQ(std::distance(fs::directory_iterator(path("")), {}), 1);
 }
 
 // rosbag throws again from its destructor, which ends the program.
 TEST_F(BagWriterTest, OutlivesADiskThatIsFull) {
   {
-    BagWriter writer(path("x.bag"));
+    bridge::BagWriter writer(path("x.bag"));
     {
       const FileSizeLimit limit(2000000);
       const std::string fault = faultOf([&] { writeBlocks(writer, 1000000); });
@@ -156,7 +156,7 @@ TEST_F(BagWriterTest, OutlivesADiskThatIsFull) {
 }
 
 TEST_F(BagWriterTest, SaysThatADiskIsFullOnlyAtTheEnd) {
-  BagWriter writer(path("x.bag"));
+  bridge::BagWriter writer(path("x.bag"));
   writeBlocks(writer, 1000);  // all still in memory
   const FileSizeLimit limit(5000);
   EXPECT_NE(faultOf([&] { writer.finish(); }).find("File too large"), std::string::npos);
@@ -164,7 +164,7 @@ TEST_F(BagWriterTest, SaysThatADiskIsFullOnlyAtTheEnd) {
 }
 
 TEST_F(BagWriterTest, DiscardsAfterAFaultToo) {
-  BagWriter writer(path("x.bag"));
+  bridge::BagWriter writer(path("x.bag"));
   const FileSizeLimit limit(100000);
   EXPECT_NE(faultOf([&] { writeBlocks(writer, 1000000); }), "");
   writer.discard();
@@ -177,7 +177,7 @@ TEST_F(BagWriterTest, GivesAPipeTheWholeBag) {
     std::ifstream from(path("pipe"), std::ios::binary);
     std::ofstream(path("copy.bag"), std::ios::binary) << from.rdbuf();
   });
-  BagWriter writer(path("pipe"));
+  bridge::BagWriter writer(path("pipe"));
   writeBlocks(writer, 5000);
   writer.finish();
   reader.join();
@@ -187,9 +187,9 @@ TEST_F(BagWriterTest, GivesAPipeTheWholeBag) {
 
 TEST_F(BagWriterTest, RefusesWhatHasNoStampAndIsWholeAllTheSame) {
   {
-    BagWriter writer(path("x.bag"));
+    bridge::BagWriter writer(path("x.bag"));
     writeBlocks(writer, 10);
-    const std::string fault = faultOf([&] { writer.write("topic", ring_gyro_msgs::EndOfRun()); });
+    const std::string fault = faultOf([&] { writer.write("topic", ring_gyro::EndOfRun()); });
     EXPECT_NE(fault.find("a message on topic has no stamp"), std::string::npos) << fault;
   }
   EXPECT_EQ(blocksIn(only(".active")), 10u);
@@ -198,7 +198,7 @@ TEST_F(BagWriterTest, RefusesWhatHasNoStampAndIsWholeAllTheSame) {
 TEST_F(BagWriterTest, LeavesAReadableBagWhenItIsKilled) {
   const pid_t child = fork();
   if (child == 0) {
-    BagWriter writer(path("x.bag"));
+    bridge::BagWriter writer(path("x.bag"));
     writeBlocks(writer, 20000);
     kill(getpid(), SIGKILL);
   }
@@ -208,13 +208,13 @@ TEST_F(BagWriterTest, LeavesAReadableBagWhenItIsKilled) {
   const std::string left = only(".active");
   EXPECT_EQ(fs::path(left).filename().string().rfind("x.bag.", 0), 0u);
   EXPECT_GT(blocksIn(left), 1000u);
-  BagFile killed(left);
-  RunEnds ends;
-  BagSinks sinks;
-  addRunEnds(killed, ends, sinks);
+  bridge::BagFile killed(left);
+  bridge::RunEnds ends;
+  bridge::BagSinks sinks;
+  bridge::addRunEnds(killed, ends, sinks);
   killed.read(sinks);
   EXPECT_TRUE(ends.empty());
-  BagWriter next(path("x.bag"));
+  bridge::BagWriter next(path("x.bag"));
   writeBlocks(next, 10);
   next.finish();
   EXPECT_EQ(blocksIn(path("x.bag")), 10u);
@@ -222,4 +222,4 @@ TEST_F(BagWriterTest, LeavesAReadableBagWhenItIsKilled) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

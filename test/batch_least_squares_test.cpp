@@ -10,7 +10,7 @@
 #include "averaged_loop.h"
 #include "ring_gyro/identification/extended_identifier.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kNoise = 5e-6;  // [V/sqrt(Hz)]
@@ -79,4 +79,4 @@ TEST(BatchLeastSquares, SaysWhenThereIsNothingToFit) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::int64_t kBlock = 1000000;
@@ -71,4 +71,4 @@ TEST(BlockChain, RefusesDelaysLongerThanItsMemory) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -26,7 +26,7 @@
 
 extern char** environ;
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -104,8 +104,8 @@ class Diagnostics {
 class EndOfRun {
  public:
   EndOfRun(ros::NodeHandle& handle, std::uint32_t session, std::uint64_t last)
-      : publisher_(handle.advertise<ring_gyro_msgs::EndOfRun>(topics::kEndOfRun, 1, true)) {
-    ring_gyro_msgs::EndOfRun message;
+      : publisher_(handle.advertise<ring_gyro::EndOfRun>(bridge::topics::kEndOfRun, 1, true)) {
+    ring_gyro::EndOfRun message;
     message.header.stamp = ros::Time(1.0);
     message.session = session;
     message.last_sequence = last;
@@ -123,11 +123,13 @@ class LoopsTest : public ::testing::Test {
  protected:
   explicit LoopsTest(const std::string& name = "loops")
       : handle_(name),
-        configuration_(readNodeConfiguration(ros::NodeHandle(handle_, "control_loops")).loop),
+        configuration_(
+            bridge::readNodeConfiguration(ros::NodeHandle(handle_, "control_loops")).loop),
         plant_(configuration_.plant, configuration_.converter, 1, kSession, 1000000000),
-        publisher_(handle_.advertise<ring_gyro_msgs::DisplacementBlock>(topics::kDisplacement, 0)),
-        commands_(handle_, topics::kDriveCommand),
-        elements_(handle_, topics::kOrbitalElements) {
+        publisher_(
+            handle_.advertise<ring_gyro::DisplacementBlock>(bridge::topics::kDisplacement, 0)),
+        commands_(handle_, bridge::topics::kDriveCommand),
+        elements_(handle_, bridge::topics::kOrbitalElements) {
     EXPECT_TRUE(waitFor([this] {
       return publisher_.getNumSubscribers() > 0 && commands_.connected() && elements_.connected();
     }));
@@ -136,26 +138,26 @@ class LoopsTest : public ::testing::Test {
   static constexpr std::uint32_t kSession = 5;
 
   /// The next block of the plant.
-  ring_gyro_msgs::DisplacementBlock next() {
-    ring_gyro_msgs::DisplacementBlock message;
-    toMessage(any_ ? plant_.step(command_) : plant_.start(), message);
+  ring_gyro::DisplacementBlock next() {
+    ring_gyro::DisplacementBlock message;
+    bridge::toMessage(any_ ? plant_.step(command_) : plant_.start(), message);
     any_ = true;
     return message;
   }
   /// Sends a block and takes the answer.
-  void answer(const ring_gyro_msgs::DisplacementBlock& block) {
+  void answer(const ring_gyro::DisplacementBlock& block) {
     const std::size_t before = commands_.messages.size();
     publisher_.publish(block);
     ASSERT_TRUE(waitFor([&] { return commands_.messages.size() > before; }))
         << "no answer to block " << block.sequence;
     ASSERT_EQ(commands_.messages.back().answers_sequence, block.sequence);
     ASSERT_EQ(commands_.messages.back().session, block.session);
-    fromMessage(commands_.messages.back(), command_);
+    bridge::fromMessage(commands_.messages.back(), command_);
   }
   void run(std::uint64_t blocks) {
     for (std::uint64_t i = 0; i < blocks && !HasFatalFailure(); ++i) answer(next());
   }
-  void expectNoAnswer(const ring_gyro_msgs::DisplacementBlock& block) {
+  void expectNoAnswer(const ring_gyro::DisplacementBlock& block) {
     const std::size_t before = commands_.messages.size();
     publisher_.publish(block);
     settle();
@@ -163,13 +165,13 @@ class LoopsTest : public ::testing::Test {
   }
 
   ros::NodeHandle handle_;
-  LoopConfiguration configuration_;
-  PlantSimulator plant_;
-  DriveCommand command_;
+  cvg::LoopConfiguration configuration_;
+  cvg::PlantSimulator plant_;
+  cvg::DriveCommand command_;
   bool any_ = false;
   ros::Publisher publisher_;
-  Collected<ring_gyro_msgs::DriveCommand> commands_;
-  Collected<ring_gyro_msgs::OrbitalElements> elements_;
+  Collected<ring_gyro::DriveCommand> commands_;
+  Collected<ring_gyro::OrbitalElements> elements_;
 };
 
 TEST_F(LoopsTest, LiveOnWhateverABlockSays) {
@@ -180,14 +182,14 @@ TEST_F(LoopsTest, LiveOnWhateverABlockSays) {
 
   const auto wrong = [this](const char* what, auto change) {
     SCOPED_TRACE(what);
-    ring_gyro_msgs::DisplacementBlock block = next();
+    ring_gyro::DisplacementBlock block = next();
     const double phase = block.reference_phase;
     const double frequency = block.reference_frequency;
     change(block);
     answer(block);
     // As the plant goes on from the last command, the phase of the NCO is that of a good block.
     EXPECT_DOUBLE_EQ(command_.reference_phase,
-                     wrapToPi(phase + frequency * configuration_.converter.blockDuration()));
+                     cvg::wrapToPi(phase + frequency * configuration_.converter.blockDuration()));
     EXPECT_GT(command_.reference_frequency, 0.0);
     EXPECT_TRUE(command_.envelope.allFinite());
   };
@@ -200,7 +202,7 @@ TEST_F(LoopsTest, LiveOnWhateverABlockSays) {
   wrong("samples", [](auto& block) { block.x[7] = kNaN; });
   wrong("lengths", [](auto& block) { block.y.resize(3); });
   wrong("none", [](auto& block) { block.x.clear(); });
-  ring_gyro_msgs::DisplacementBlock unstamped = next();
+  ring_gyro::DisplacementBlock unstamped = next();
   const ros::Time stamp = unstamped.header.stamp;
   unstamped.header.stamp = ros::Time();
   expectNoAnswer(unstamped);
@@ -209,7 +211,7 @@ TEST_F(LoopsTest, LiveOnWhateverABlockSays) {
   run(20);
   // They go in bursts.
   ASSERT_TRUE(waitFor([this] { return elements_.messages.size() == 80; }));
-  for (const ring_gyro_msgs::OrbitalElements& elements : elements_.messages) {
+  for (const ring_gyro::OrbitalElements& elements : elements_.messages) {
     EXPECT_TRUE(std::isfinite(elements.a + elements.theta + elements.angle_rate));
     if (elements.sequence >= 50 && elements.sequence < 59) {
       EXPECT_TRUE(elements.status.invalid_samples) << elements.sequence;
@@ -231,11 +233,11 @@ class CompensatedLoopsTest : public LoopsTest {
  protected:
   CompensatedLoopsTest()
       : LoopsTest("compensated"),
-        decisions_(handle_.advertise<ring_gyro_msgs::CompensationGains>(topics::kCompensationGains,
-                                                                        0, true)) {}
+        decisions_(handle_.advertise<ring_gyro::CompensationGains>(
+            bridge::topics::kCompensationGains, 0, true)) {}
 
   void decide(std::uint64_t effective_sequence) {
-    ring_gyro_msgs::CompensationGains message;
+    ring_gyro::CompensationGains message;
     message.header.stamp = ros::Time(1.0);
     message.session = kSession;
     message.effective_sequence = effective_sequence;
@@ -248,19 +250,19 @@ class CompensatedLoopsTest : public LoopsTest {
 
 TEST_F(CompensatedLoopsTest, NothingButItsOwnBlockWaitsForADecision) {
   run(2 * kPeriod - 1);
-  const ring_gyro_msgs::DisplacementBlock border = next();  // its drive acts in block 200
+  const ring_gyro::DisplacementBlock border = next();  // its drive acts in block 200
   expectNoAnswer(border);
   // While it waits: the same again, an older one, one of another plant.
   expectNoAnswer(border);
-  ring_gyro_msgs::DisplacementBlock old = border;
+  ring_gyro::DisplacementBlock old = border;
   old.sequence -= 50;
   old.header.stamp -= ros::Duration(0.05);
   expectNoAnswer(old);
-  ring_gyro_msgs::DisplacementBlock foreign = border;
+  ring_gyro::DisplacementBlock foreign = border;
   foreign.session += 1;
   expectNoAnswer(foreign);
   // Decisions that cannot be used do not let it go.
-  ring_gyro_msgs::CompensationGains wrong;
+  ring_gyro::CompensationGains wrong;
   wrong.header.stamp = ros::Time(1.0);
   wrong.session = kSession;
   wrong.effective_sequence = 2 * kPeriod;
@@ -274,7 +276,7 @@ TEST_F(CompensatedLoopsTest, NothingButItsOwnBlockWaitsForADecision) {
   decide(2 * kPeriod);
   ASSERT_TRUE(waitFor([this] { return commands_.messages.size() == 2 * kPeriod; }));
   EXPECT_EQ(commands_.messages.back().answers_sequence, border.sequence);
-  fromMessage(commands_.messages.back(), command_);
+  bridge::fromMessage(commands_.messages.back(), command_);
 
   // Now that the decision is used up: the same block again, and those of others at the border.
   expectNoAnswer(border);
@@ -290,8 +292,8 @@ TEST_F(CompensatedLoopsTest, NothingButItsOwnBlockWaitsForADecision) {
   EXPECT_EQ(commands_.messages.size(), 2 * kPeriod + 120);
 
   // A plant that is started again begins with its first block, and the other one is left.
-  ring_gyro_msgs::DisplacementBlock first = next();
-  const ring_gyro_msgs::DisplacementBlock going_on = first;
+  ring_gyro::DisplacementBlock first = next();
+  const ring_gyro::DisplacementBlock going_on = first;
   first.session = kSession + 20;
   first.sequence = 0;
   answer(first);
@@ -302,17 +304,17 @@ TEST(IdentifierBorder, SaysWhyNoBlockCanBeUsed) {
   ros::NodeHandle handle("identifier");
   Diagnostics diagnostics;
   const ros::Publisher elements =
-      handle.advertise<ring_gyro_msgs::OrbitalElements>(topics::kOrbitalElements, 0);
+      handle.advertise<ring_gyro::OrbitalElements>(bridge::topics::kOrbitalElements, 0);
   const ros::Publisher gains =
-      handle.advertise<ring_gyro_msgs::ControlGains>(topics::kControlGains, 0);
+      handle.advertise<ring_gyro::ControlGains>(bridge::topics::kControlGains, 0);
   ASSERT_TRUE(
       waitFor([&] { return elements.getNumSubscribers() > 0 && gains.getNumSubscribers() > 0; }));
   const EndOfRun early(handle, 4, 1);
   std::uint64_t sequence = 0;
   const auto send = [&](auto change) {
     for (int i = 0; i < 50; ++i, ++sequence) {
-      ring_gyro_msgs::OrbitalElements e;
-      ring_gyro_msgs::ControlGains g;
+      ring_gyro::OrbitalElements e;
+      ring_gyro::ControlGains g;
       e.header.stamp = g.header.stamp = ros::Time(1.0 + 1e-3 * static_cast<double>(sequence));
       e.session = g.session = 5;
       e.sequence = g.sequence = sequence;
@@ -358,13 +360,13 @@ TEST(IdentifierBorder, SaysWhyNoBlockCanBeUsed) {
 TEST(InjectorBorder, DecidesOnAnEstimateThatCannotBe) {
   ros::NodeHandle handle("injector");
   const ros::Publisher estimates =
-      handle.advertise<ring_gyro_msgs::ParameterEstimate>(topics::kParameterEstimate, 0);
-  Collected<ring_gyro_msgs::CompensationGains> decisions(handle, topics::kCompensationGains);
+      handle.advertise<ring_gyro::ParameterEstimate>(bridge::topics::kParameterEstimate, 0);
+  Collected<ring_gyro::CompensationGains> decisions(handle, bridge::topics::kCompensationGains);
   ASSERT_TRUE(waitFor([&] { return estimates.getNumSubscribers() > 0; }));
   const EndOfRun early(handle, 4, 1);
   std::uint64_t periods = 0;
   const auto decide = [&](auto change) {
-    ring_gyro_msgs::ParameterEstimate estimate;
+    ring_gyro::ParameterEstimate estimate;
     estimate.header.stamp = ros::Time(1.0 + static_cast<double>(++periods));
     estimate.session = 5;
     estimate.last_sequence = periods * kPeriod - 1;
@@ -380,10 +382,10 @@ TEST(InjectorBorder, DecidesOnAnEstimateThatCannotBe) {
     return decisions.messages.back();
   };
   const auto good = decide([](auto&) {});
-  EXPECT_EQ(good.state, ring_gyro_msgs::CompensationGains::TRACKING);
+  EXPECT_EQ(good.state, ring_gyro::CompensationGains::TRACKING);
   EXPECT_GT(good.gamma_1, 0.0);
-  const auto expectHeld = [&](const ring_gyro_msgs::CompensationGains& decision) {
-    EXPECT_EQ(decision.state, ring_gyro_msgs::CompensationGains::WAITING);
+  const auto expectHeld = [&](const ring_gyro::CompensationGains& decision) {
+    EXPECT_EQ(decision.state, ring_gyro::CompensationGains::WAITING);
     EXPECT_EQ(decision.gain_1, good.gain_1);
     EXPECT_EQ(decision.effective_sequence, (periods + 1) * kPeriod);
   };
@@ -400,18 +402,18 @@ TEST(PlantBorder, CoastsOverADriveThatCannotBe) {
   ros::NodeHandle handle("plant");
   Diagnostics diagnostics;
   const ros::Publisher commands =
-      handle.advertise<ring_gyro_msgs::DriveCommand>(topics::kDriveCommand, 0);
+      handle.advertise<ring_gyro::DriveCommand>(bridge::topics::kDriveCommand, 0);
   ASSERT_TRUE(waitFor([&] { return commands.getNumSubscribers() > 0; }));
-  Collected<ring_gyro_msgs::DisplacementBlock> blocks(handle, topics::kDisplacement);
+  Collected<ring_gyro::DisplacementBlock> blocks(handle, bridge::topics::kDisplacement);
   ASSERT_TRUE(waitFor([&] { return blocks.messages.size() == 1; }));
-  ring_gyro_msgs::DriveCommand good;
+  ring_gyro::DriveCommand good;
   good.header.stamp = blocks.messages.back().header.stamp;
   good.session = 7;
   good.reference_frequency = 88000.0;
   good.envelope.x_real = 1.0;
   const auto answer = [&](auto change) {
     const std::size_t before = blocks.messages.size();
-    ring_gyro_msgs::DriveCommand command = good;
+    ring_gyro::DriveCommand command = good;
     command.answers_sequence = blocks.messages.back().sequence;
     change(command);
     commands.publish(command);
@@ -429,7 +431,7 @@ TEST(PlantBorder, CoastsOverADriveThatCannotBe) {
   }
   const std::size_t before = blocks.messages.size();
   const auto ignored = [&](auto change) {
-    ring_gyro_msgs::DriveCommand command = good;
+    ring_gyro::DriveCommand command = good;
     command.answers_sequence = blocks.messages.back().sequence;
     change(command);
     commands.publish(command);
@@ -457,17 +459,17 @@ std::size_t residentBytes() {
 
 TEST(Output, IsBoundedAndHoldsALockstepRunForItsSlowestReader) {
   ros::NodeHandle handle;
-  const Output output = Output::advertise<ring_gyro_msgs::ControlGains>(handle, "slow");
+  const nodes::Output output = nodes::Output::advertise<ring_gyro::ControlGains>(handle, "slow");
   char reader_option[] = "--reader";
   char* const arguments[] = {&program[0], reader_option, nullptr};
   pid_t reader = 0;
   ASSERT_EQ(posix_spawn(&reader, program.c_str(), nullptr, nullptr, arguments, environ), 0);
   ASSERT_TRUE(waitFor([&] { return output.subscribers() > 0; }));
-  NodeParameters parameters;
+  cvg::NodeParameters parameters;
   parameters.lockstep_timeout = 1.0;
   int resumed = 0;
-  ReaderWait wait(handle, parameters, {output}, [&] { ++resumed; });
-  const auto message = boost::make_shared<ring_gyro_msgs::ControlGains>();
+  nodes::ReaderWait wait(handle, parameters, {output}, [&] { ++resumed; });
+  const auto message = boost::make_shared<ring_gyro::ControlGains>();
   message->header.stamp = ros::Time(1.0);
   EXPECT_FALSE(wait.mustHold());
 
@@ -481,7 +483,7 @@ TEST(Output, IsBoundedAndHoldsALockstepRunForItsSlowestReader) {
     if (published % 500 == 0) waitFor([&] { return output.waiting() == 0; }, 0.02);
   }
   EXPECT_TRUE(wait.holding());
-  EXPECT_EQ(output.waiting(), kOutputQueue / 2);
+  EXPECT_EQ(output.waiting(), nodes::kOutputQueue / 2);
   EXPECT_EQ(output.overflows(), 0u);
   kill(reader, SIGCONT);
   EXPECT_TRUE(waitFor([&] { return resumed == 1; }));
@@ -495,13 +497,13 @@ TEST(Output, IsBoundedAndHoldsALockstepRunForItsSlowestReader) {
     output.publish(message);
   }
   EXPECT_EQ(output.overflows(), 100000u);
-  EXPECT_TRUE(waitFor([&] { return output.waiting() <= kOutputQueue + 1; }));
+  EXPECT_TRUE(waitFor([&] { return output.waiting() <= nodes::kOutputQueue + 1; }));
   EXPECT_LT(residentBytes(), before + 50000000u);
   EXPECT_TRUE(wait.mustHold());
   EXPECT_TRUE(waitFor([&] { return resumed == 2; }));
   EXPECT_FALSE(wait.mustHold()) << "it has been given up";
   parameters.lockstep = false;
-  ReaderWait real_time(handle, parameters, {output}, [] {});
+  nodes::ReaderWait real_time(handle, parameters, {output}, [] {});
   EXPECT_FALSE(real_time.mustHold());
   kill(reader, SIGCONT);
   kill(reader, SIGKILL);
@@ -509,18 +511,18 @@ TEST(Output, IsBoundedAndHoldsALockstepRunForItsSlowestReader) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test
 
 int main(int argc, char** argv) {
-  ring_gyro::program = argv[0];
+  ring_gyro::test::program = argv[0];
   ::testing::InitGoogleTest(&argc, argv);
   if (argc > 1 && std::string(argv[1]) == "--reader") {
     ros::init(argc, argv, "slow_reader");
     ros::NodeHandle handle;
-    const boost::function<void(const ring_gyro_msgs::ControlGains::ConstPtr&)> nothing =
+    const boost::function<void(const ring_gyro::ControlGains::ConstPtr&)> nothing =
         [](const auto&) {};
     const ros::Subscriber subscriber =
-        handle.subscribe<ring_gyro_msgs::ControlGains>("slow", 1, nothing);
+        handle.subscribe<ring_gyro::ControlGains>("slow", 1, nothing);
     ros::spin();
     return 0;
   }

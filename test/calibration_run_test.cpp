@@ -13,7 +13,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/simulation/calibration_judgement.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 /// A device that decays fast, so that a whole run is short; with all linear errors and the cubic.
@@ -230,4 +230,4 @@ TEST(CalibrationRun, SaysWhyItCannotGoOn) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <complex>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -85,4 +85,4 @@ TEST(Calibration, UndoesTheFundamentalOfACubicPickoff) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

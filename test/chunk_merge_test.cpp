@@ -11,7 +11,7 @@
 
 #include "bag_fixture.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 using rosbag::compression::CompressionType;
@@ -109,21 +109,21 @@ Numbers readByView(const std::string& path, const std::vector<std::string>& topi
 
 struct Merged {
   Numbers numbers;
-  ChunkMerge::Outcome outcome;
+  bridge::ChunkMerge::Outcome outcome;
 };
 
-Merged readByMerge(const std::string& path, const BagContents& contents,
+Merged readByMerge(const std::string& path, const bridge::BagContents& contents,
                    const std::vector<std::string>& topics, const ros::Time& from,
-                   const ros::Time& to, std::size_t most_held = ChunkMerge::kMostHeld) {
+                   const ros::Time& to, std::size_t most_held = bridge::ChunkMerge::kMostHeld) {
   Merged merged;
-  BagSinks sinks;
-  for (const BagConnection& connection : contents.connections) {
+  bridge::BagSinks sinks;
+  for (const bridge::BagConnection& connection : contents.connections) {
     if (std::count(topics.begin(), topics.end(), connection.topic) == 0) continue;
-    sinks[connection.id] = [&merged](const BagMessage& message) {
+    sinks[connection.id] = [&merged](const bridge::BagMessage& message) {
       merged.numbers.push_back(numberOf(message.bytes));
     };
   }
-  merged.outcome = ChunkMerge(path, contents, sinks, from, to, most_held).run();
+  merged.outcome = bridge::ChunkMerge(path, contents, sinks, from, to, most_held).run();
   return merged;
 }
 
@@ -141,7 +141,7 @@ class ChunkMergeTest : public testing::TestWithParam<std::tuple<Order, Compressi
 };
 
 TEST_P(ChunkMergeTest, GivesTheOrderOfViewAndOpensEachChunkOnce) {
-  const BagContents contents = contentsByIndex(bag_);
+  const bridge::BagContents contents = bridge::contentsByIndex(bag_);
   EXPECT_GE(contents.connections.size(), 6u);
   EXPECT_GT(contents.chunks.size(), 20u);
   const Merged merged = readByMerge(bag_, contents, all_, ros::TIME_MIN, ros::TIME_MAX);
@@ -152,7 +152,7 @@ TEST_P(ChunkMergeTest, GivesTheOrderOfViewAndOpensEachChunkOnce) {
 }
 
 TEST_P(ChunkMergeTest, GivesAPartOfTheTimeAndOfTheTopics) {
-  const BagContents contents = contentsByIndex(bag_);
+  const bridge::BagContents contents = bridge::contentsByIndex(bag_);
   const std::vector<std::string> some = {"/topic_1", "/topic_2"};
   const ros::Time from(100, 300);
   const ros::Time to(100, 500);
@@ -164,7 +164,7 @@ TEST_P(ChunkMergeTest, GivesAPartOfTheTimeAndOfTheTopics) {
 }
 
 TEST_P(ChunkMergeTest, HoldsNoMoreThanItMay) {
-  const BagContents contents = contentsByIndex(bag_);
+  const bridge::BagContents contents = bridge::contentsByIndex(bag_);
   constexpr std::size_t kMostHeld = 30'000;  // the whole is some 170 kB
   const Merged merged = readByMerge(bag_, contents, all_, ros::TIME_MIN, ros::TIME_MAX, kMostHeld);
   EXPECT_EQ(merged.numbers,
@@ -174,22 +174,22 @@ TEST_P(ChunkMergeTest, HoldsNoMoreThanItMay) {
 
 TEST_P(ChunkMergeTest, IsTheSameWithoutTheIndex) {
   const Merged merged =
-      readByMerge(bag_, contentsByIndex(bag_), all_, ros::TIME_MIN, ros::TIME_MAX);
-  const BagScan scan = contentsByScan(bag_);
+      readByMerge(bag_, bridge::contentsByIndex(bag_), all_, ros::TIME_MIN, ros::TIME_MAX);
+  const bridge::BagScan scan = bridge::contentsByScan(bag_);
   EXPECT_EQ(scan.loss.bytes, 0u);
   EXPECT_EQ(readByMerge(bag_, scan.contents, all_, ros::TIME_MIN, ros::TIME_MAX).numbers,
             merged.numbers);
 }
 
 TEST_P(ChunkMergeTest, PassesOverAChunkThatIsDamaged) {
-  const BagContents contents = contentsByIndex(bag_);
-  const BagChunk& chunk = contents.chunks[contents.chunks.size() / 2];
+  const bridge::BagContents contents = bridge::contentsByIndex(bag_);
+  const bridge::BagChunk& chunk = contents.chunks[contents.chunks.size() / 2];
   std::string bytes = contentsOf(bag_);
   bytes.replace(chunk.position, 16, 16, '\xff');
   writeContents(bag_, bytes);
   const Merged merged = readByMerge(bag_, contents, all_, ros::TIME_MIN, ros::TIME_MAX);
   std::uint64_t lost = 0;
-  for (const ChunkShare& share : chunk.shares) lost += share.messages;
+  for (const bridge::ChunkShare& share : chunk.shares) lost += share.messages;
   EXPECT_EQ(merged.numbers.size(), contents.messages() - lost);
   EXPECT_EQ(merged.outcome.chunks_opened, contents.chunks.size() - 1);
   EXPECT_EQ(merged.outcome.loss.first, chunk.position);
@@ -208,4 +208,4 @@ INSTANTIATE_TEST_SUITE_P(Compressions, ChunkMergeTest,
                                                           rosbag::compression::BZ2)));
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

@@ -13,7 +13,7 @@
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 LoopConfiguration preset(const std::string& name, const std::vector<std::string>& overrides = {}) {
@@ -164,4 +164,4 @@ TEST(Figures, SpeedOfTheLoopInProcess) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

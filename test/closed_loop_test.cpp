@@ -8,7 +8,7 @@
 
 #include "ring_gyro/configuration/configuration_reader.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 LoopConfiguration configuration(const std::vector<std::string>& overrides) {
@@ -73,4 +73,4 @@ TEST(ClosedLoop, DecisionsActAPeriodAfterTheirData) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/logs/number_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Q = Quantity;
@@ -110,4 +110,4 @@ TEST(ColumnMap, ChoosesTheFormOfTheMotion) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -11,7 +11,7 @@
 #include "ring_gyro/control/drive_synthesis.h"
 #include "ring_gyro/identification/averaged_model.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::int64_t kPeriodBlocks = 100;
@@ -254,4 +254,4 @@ TEST(CompensationInjector, SignPrintedIn35DoublesTheDrift) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -11,7 +11,7 @@
 
 #include "ring_gyro/configuration/parameter_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 const char* const kMinimal =
@@ -227,4 +227,4 @@ TEST(ParametersMarkdown, HasEveryParameter) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

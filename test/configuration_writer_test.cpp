@@ -17,7 +17,7 @@
 
 #include "ring_gyro/configuration/configuration_reader.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Random = std::mt19937_64;
@@ -202,4 +202,4 @@ TEST(ConfigurationWriter, SectionsOfSomeKeysAreReadBackToTheLastBit) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -13,7 +13,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::int64_t kStart = 1000000000;
@@ -445,4 +445,4 @@ TEST(ControlLoops, ContributionsSumToWhatActedAndGainsBelongToTheirBlock) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -15,7 +15,7 @@
 #include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/message_pool.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 /// Values whose bits are easily lost: all exponents, both zeros, the smallest.
@@ -41,16 +41,16 @@ class Values {
   }
   bool nextFlag() { return generator_() % 2 == 0; }
   std::uint64_t nextCount() { return generator_(); }
-  BlockStamp nextStamp() {
-    BlockStamp stamp;
+  cvg::BlockStamp nextStamp() {
+    cvg::BlockStamp stamp;
     stamp.session = static_cast<std::uint32_t>(generator_());
     stamp.sequence = generator_();
     stamp.end_ns = static_cast<std::int64_t>(generator_() % 4000000000000000000ull);
     stamp.duration_ns = static_cast<std::int64_t>(generator_() % 1000000000ull);
     return stamp;
   }
-  LoopStatus nextStatus() {
-    LoopStatus status;
+  cvg::LoopStatus nextStatus() {
+    cvg::LoopStatus status;
     status.amplitude_locked = nextFlag();
     status.quadrature_locked = nextFlag();
     status.phase_locked = nextFlag();
@@ -75,7 +75,7 @@ void expectSameBits(const Struct& original, const ToMessage& convert) {
   ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   ros::serialization::deserialize(stream, received);
   Struct copy;
-  fromMessage(received, copy);
+  bridge::fromMessage(received, copy);
   Message again;
   convert(copy, again);
   EXPECT_EQ(bytesOf(again), bytes);
@@ -83,18 +83,19 @@ void expectSameBits(const Struct& original, const ToMessage& convert) {
 
 template <typename Message, typename Struct>
 void expectSameBits(const Struct& original) {
-  expectSameBits<Message>(original, [](const Struct& from, Message& to) { toMessage(from, to); });
+  expectSameBits<Message>(original,
+                          [](const Struct& from, Message& to) { bridge::toMessage(from, to); });
 }
 
 TEST(Conversions, TimesAreWholeNanoseconds) {
   for (const std::int64_t ns : {1ll, 999999999ll, 1000000000ll, 1700000000123456789ll}) {
-    EXPECT_EQ(nanosecondsFromTime(timeFromNanoseconds(ns)), ns);
+    EXPECT_EQ(bridge::nanosecondsFromTime(bridge::timeFromNanoseconds(ns)), ns);
   }
 }
 
 TEST(Conversions, DisplacementBlock) {
   Values values;
-  DisplacementBlock block;
+  cvg::DisplacementBlock block;
   block.stamp = values.nextStamp();
   block.drive_answers_sequence = values.nextCount();
   block.driven = true;
@@ -106,29 +107,29 @@ TEST(Conversions, DisplacementBlock) {
     block.x.push_back(values.next());
     block.y.push_back(values.next());
   }
-  expectSameBits<ring_gyro_msgs::DisplacementBlock>(block);
+  expectSameBits<ring_gyro::DisplacementBlock>(block);
 }
 
 TEST(Conversions, DriveCommand) {
   Values values;
-  const BlockStamp answered = values.nextStamp();
-  DriveCommand command;
+  const cvg::BlockStamp answered = values.nextStamp();
+  cvg::DriveCommand command;
   command.answers_sequence = answered.sequence;
   command.reference_phase = values.next();
   command.reference_frequency = values.next();
   command.envelope = values.nextEnvelope();
   command.table_rate = values.next();
   command.end_of_run = true;
-  expectSameBits<ring_gyro_msgs::DriveCommand>(
-      command, [&](const DriveCommand& from, ring_gyro_msgs::DriveCommand& to) {
-        toMessage(from, answered, to);
+  expectSameBits<ring_gyro::DriveCommand>(
+      command, [&](const cvg::DriveCommand& from, ring_gyro::DriveCommand& to) {
+        bridge::toMessage(from, answered, to);
       });
 }
 
 TEST(Conversions, OrbitalElements) {
   Values values;
   for (int i = 0; i < 50; ++i) {
-    OrbitalElements elements;
+    cvg::OrbitalElements elements;
     elements.stamp = values.nextStamp();
     elements.group_delay = values.next();
     elements.orbit = {values.next(), values.next(), 100.0 * i - 2000.0, values.next()};
@@ -136,14 +137,14 @@ TEST(Conversions, OrbitalElements) {
     elements.angle = values.next();
     elements.angle_rate = values.next();
     elements.status = values.nextStatus();
-    expectSameBits<ring_gyro_msgs::OrbitalElements>(elements);
+    expectSameBits<ring_gyro::OrbitalElements>(elements);
   }
 }
 
 TEST(Conversions, ControlGains) {
   Values values;
   for (int i = 0; i < 50; ++i) {
-    ControlGains gains;
+    cvg::ControlGains gains;
     gains.stamp = values.nextStamp();
     gains.reference_frequency = values.next();
     gains.reference_phase = values.next();
@@ -156,14 +157,14 @@ TEST(Conversions, ControlGains) {
     gains.drive.steering = values.nextEnvelope();
     gains.drive.compensation = values.nextEnvelope();
     gains.status = values.nextStatus();
-    expectSameBits<ring_gyro_msgs::ControlGains>(gains);
+    expectSameBits<ring_gyro::ControlGains>(gains);
   }
 }
 
 TEST(Conversions, ParameterEstimate) {
   Values values;
-  ParameterEstimate estimate;
-  StateMatrix covariance;
+  cvg::ParameterEstimate estimate;
+  cvg::StateMatrix covariance;
   estimate.stamp = values.nextStamp();
   estimate.first_sequence = values.nextCount();
   estimate.used_blocks = values.nextCount();
@@ -183,38 +184,38 @@ TEST(Conversions, ParameterEstimate) {
   estimate.residual_gamma2 = values.next();
   estimate.angle_covered = values.next();
   estimate.converged = true;
-  expectSameBits<ring_gyro_msgs::ParameterEstimate>(
-      estimate, [&](const ParameterEstimate& from, ring_gyro_msgs::ParameterEstimate& to) {
-        toMessage(from, covariance, to);
+  expectSameBits<ring_gyro::ParameterEstimate>(
+      estimate, [&](const cvg::ParameterEstimate& from, ring_gyro::ParameterEstimate& to) {
+        bridge::toMessage(from, covariance, to);
       });
-  ring_gyro_msgs::ParameterEstimate message;
-  toMessage(estimate, covariance, message);
+  ring_gyro::ParameterEstimate message;
+  bridge::toMessage(estimate, covariance, message);
   for (int i = 0; i < 7; ++i) EXPECT_EQ(message.sigma[i], std::sqrt(covariance(i, i))) << i;
 }
 
 TEST(Conversions, CompensationDecision) {
   Values values;
-  CompensationDecision decision;
+  cvg::CompensationDecision decision;
   decision.session = 9;
   decision.effective_sequence = values.nextCount();
   decision.data_sequence = values.nextCount();
   decision.gains = {values.next(), values.next()};
   decision.gamma1 = values.next();
   decision.gamma2 = values.next();
-  decision.state = InjectorState::kHolding;
+  decision.state = cvg::InjectorState::kHolding;
   const ros::Time stamp(12, 34);
-  expectSameBits<ring_gyro_msgs::CompensationGains>(
-      decision, [&](const CompensationDecision& from, ring_gyro_msgs::CompensationGains& to) {
-        toMessage(from, stamp, to);
+  expectSameBits<ring_gyro::CompensationGains>(
+      decision, [&](const cvg::CompensationDecision& from, ring_gyro::CompensationGains& to) {
+        bridge::toMessage(from, stamp, to);
       });
 }
 
 /// Every parameter of a calibration, so that none can be left out of the message.
-Calibration anyCalibration(Values& values, int orders) {
-  Calibration calibration;
-  ParameterTable table;
+cvg::Calibration anyCalibration(Values& values, int orders) {
+  cvg::Calibration calibration;
+  cvg::ParameterTable table;
   calibration.declare(table);
-  for (const Parameter& parameter : table.parameters()) {
+  for (const cvg::Parameter& parameter : table.parameters()) {
     if (const auto* flag = std::get_if<bool*>(&parameter.target)) **flag = values.nextFlag();
     if (const auto* number = std::get_if<double*>(&parameter.target)) **number = values.next();
     if (const auto* list = std::get_if<std::vector<double>*>(&parameter.target)) {
@@ -224,12 +225,12 @@ Calibration anyCalibration(Values& values, int orders) {
   return calibration;
 }
 
-std::string parametersOf(Calibration calibration) {
-  ParameterTable table;
+std::string parametersOf(cvg::Calibration calibration) {
+  cvg::ParameterTable table;
   calibration.declare(table);
   std::string text;
-  for (const Parameter& parameter : table.parameters()) {
-    text += parameter.key + ": " + valueText(parameter) + "\n";
+  for (const cvg::Parameter& parameter : table.parameters()) {
+    text += parameter.key + ": " + cvg::valueText(parameter) + "\n";
   }
   return text;
 }
@@ -237,15 +238,15 @@ std::string parametersOf(Calibration calibration) {
 TEST(Conversions, CalibrationCommand) {
   Values values;
   for (int orders = 0; orders <= 8; ++orders) {
-    const BlockStamp data = values.nextStamp();
-    CalibrationCommand command;
+    const cvg::BlockStamp data = values.nextStamp();
+    cvg::CalibrationCommand command;
     command.session = data.session;
     command.effective_sequence = values.nextCount();
     command.leg = "identification 1 at +40 deg/s";
     command.time_left = values.next();
     command.finished = values.nextFlag();
     command.failure = orders % 2 == 0 ? "" : "the loops have not been locked";
-    LoopSettings& settings = command.settings;
+    cvg::LoopSettings& settings = command.settings;
     settings.virtual_rate = values.next();
     settings.table_rate = values.next();
     settings.amplitude_modulation = values.next();
@@ -253,14 +254,14 @@ TEST(Conversions, CalibrationCommand) {
     settings.end_of_run = values.nextFlag();
     settings.calibration = anyCalibration(values, orders);
     settings.calibration.angle_map.constant = values.next();
-    expectSameBits<ring_gyro_msgs::CalibrationCommand>(
-        command, [&](const CalibrationCommand& from, ring_gyro_msgs::CalibrationCommand& to) {
-          toMessage(from, data, to);
+    expectSameBits<ring_gyro::CalibrationCommand>(
+        command, [&](const cvg::CalibrationCommand& from, ring_gyro::CalibrationCommand& to) {
+          bridge::toMessage(from, data, to);
         });
-    ring_gyro_msgs::CalibrationCommand message;
-    toMessage(command, data, message);
-    CalibrationCommand copy;
-    fromMessage(message, copy);
+    ring_gyro::CalibrationCommand message;
+    bridge::toMessage(command, data, message);
+    cvg::CalibrationCommand copy;
+    bridge::fromMessage(message, copy);
     EXPECT_EQ(parametersOf(copy.settings.calibration), parametersOf(settings.calibration));
     EXPECT_EQ(message.data_sequence, data.sequence);
   }
@@ -268,7 +269,7 @@ TEST(Conversions, CalibrationCommand) {
 
 TEST(Conversions, PlantTruth) {
   Values values;
-  PlantTruth truth;
+  cvg::PlantTruth truth;
   truth.stamp = values.nextStamp();
   truth.envelope << std::complex<double>(0.3, -0.4), std::complex<double>(0.01, 0.7);
   truth.rotation_rate = values.next();
@@ -280,16 +281,16 @@ TEST(Conversions, PlantTruth) {
   truth.mu1 = values.next();
   truth.mu2 = values.next();
   truth.drive_gain = values.next();
-  expectSameBits<ring_gyro_msgs::PlantTruth>(truth);
+  expectSameBits<ring_gyro::PlantTruth>(truth);
 }
 
 TEST(Conversions, SensedRateHasTheSignOfTheCase) {
-  OrbitalElements elements;
+  cvg::OrbitalElements elements;
   elements.stamp = {1, 0, 5000000, 1000000};
   elements.angle = -0.37 * 0.5;  // the case has turned by half a radian
   elements.angle_rate = -0.37 * 2.0;
   sensor_msgs::Imu imu;
-  toMessage(elements, 0.37, "gyro", imu);
+  bridge::toMessage(elements, 0.37, "gyro", imu);
   EXPECT_NEAR(imu.angular_velocity.z, 2.0, 1e-12);
   EXPECT_NEAR(2.0 * std::atan2(imu.orientation.z, imu.orientation.w), 0.5, 1e-12);
   EXPECT_EQ(imu.header.frame_id, "gyro");
@@ -298,23 +299,23 @@ TEST(Conversions, SensedRateHasTheSignOfTheCase) {
 }
 
 TEST(Conversions, SensedRateIsStampedWhenItIsValid) {
-  OrbitalElements elements;
+  cvg::OrbitalElements elements;
   elements.stamp = {1, 6, 1007000000, 1000000};
   elements.group_delay = 0.7125e-3;
   sensor_msgs::Imu imu;
-  toMessage(elements, 1.0, "gyro", imu);
-  EXPECT_EQ(nanosecondsFromTime(imu.header.stamp), 1007000000 - 712500);
+  bridge::toMessage(elements, 1.0, "gyro", imu);
+  EXPECT_EQ(bridge::nanosecondsFromTime(imu.header.stamp), 1007000000 - 712500);
   elements.stamp.end_ns = 500000;  // no time before zero
-  toMessage(elements, 1.0, "gyro", imu);
-  EXPECT_EQ(nanosecondsFromTime(imu.header.stamp), 0);
+  bridge::toMessage(elements, 1.0, "gyro", imu);
+  EXPECT_EQ(bridge::nanosecondsFromTime(imu.header.stamp), 0);
 }
 
 TEST(MessagePool, GivesOnlyWhatNobodyHolds) {
-  MessagePool<ring_gyro_msgs::OrbitalElements> pool;
+  bridge::MessagePool<ring_gyro::OrbitalElements> pool;
   const auto first = pool.take();
   const auto second = pool.take();
   EXPECT_NE(first, second);
-  const ring_gyro_msgs::OrbitalElements* released = nullptr;
+  const ring_gyro::OrbitalElements* released = nullptr;
   {
     const auto third = pool.take();
     released = third.get();
@@ -323,4 +324,4 @@ TEST(MessagePool, GivesOnlyWhatNobodyHolds) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

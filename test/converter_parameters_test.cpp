@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 const ConverterParameters kConverter{200e3, 200};
@@ -33,4 +33,4 @@ TEST(ConverterParameters, NamesAPeriodThatIsNotOfWholeBlocks) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

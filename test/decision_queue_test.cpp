@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 constexpr std::uint64_t kPeriod = 100;
@@ -26,7 +26,7 @@ class DecisionQueueTest : public ::testing::Test {
     return values;
   }
 
-  DecisionQueue<Decision> queue_{kPeriod};
+  nodes::DecisionQueue<Decision> queue_{kPeriod};
 };
 
 TEST_F(DecisionQueueTest, NothingIsDueInTheFirstTwoPeriods) {
@@ -119,9 +119,9 @@ TEST_F(DecisionQueueTest, HoldsABoundedNumber) {
   EXPECT_TRUE(applied(1).empty());
   for (std::uint64_t i = 0; i < 1000; ++i) queue_.add({kSession, 1000 + i, 2});
   queue_.add({kSession, 200, 1});
-  EXPECT_EQ(queue_.counts().early, 1001 - kMostDecisions);
+  EXPECT_EQ(queue_.counts().early, 1001 - nodes::kMostDecisions);
   EXPECT_EQ(applied(200), std::vector<int>{1});
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

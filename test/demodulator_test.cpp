@@ -9,7 +9,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -130,4 +130,4 @@ TEST(Demodulator, KeepsTheNoiseDensityOfTheSamples) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

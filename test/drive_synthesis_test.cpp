@@ -7,7 +7,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -69,4 +69,4 @@ TEST(DriveSynthesis, NeedsTheBranchThatTheElementsPick) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

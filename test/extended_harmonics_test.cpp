@@ -12,7 +12,7 @@
 #include "ring_gyro/identification/averaged_model.h"
 #include "ring_gyro/identification/extended_identifier.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kFrequency = 14e3;  // [Hz]
@@ -184,4 +184,4 @@ TEST(ExtendedHarmonics, EveryGroupAtOnce) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -15,7 +15,7 @@
 #include "ring_gyro/control/control_loops.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -498,4 +498,4 @@ TEST(ExtendedIdentifier, RefusesWhatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

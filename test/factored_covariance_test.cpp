@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Vector = ParameterVector;
@@ -129,4 +129,4 @@ TEST(FactoredCovariance, StaysPositiveHoweverPreciseTheMeasurement) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -12,7 +12,7 @@
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 struct Drift {
@@ -55,4 +55,4 @@ TEST(FourthHarmonic, ComesFromTheGapNotFromTheSquareLawOfTheDrive) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

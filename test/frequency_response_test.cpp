@@ -8,7 +8,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/simulation/swept_sine.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 PlantParameters splitRing() {
@@ -92,4 +92,4 @@ TEST(FrequencyResponse, RefusesWhatCannotBeFitted) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -19,7 +19,7 @@
 #include "ring_gyro/ros/topics.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 template <typename Message>
@@ -56,15 +56,16 @@ class Collector {
 
 TEST(Graph, SendsWhatTheLoopInOneProcessComputes) {
   ros::NodeHandle handle;
-  Collector<ring_gyro_msgs::OrbitalElements> elements(handle, topics::kOrbitalElements);
-  Collector<ring_gyro_msgs::ControlGains> gains(handle, topics::kControlGains);
-  Collector<ring_gyro_msgs::ParameterEstimate> estimates(handle, topics::kParameterEstimate);
-  Collector<ring_gyro_msgs::CompensationGains> decisions(handle, topics::kCompensationGains);
-  Collector<ring_gyro_msgs::EndOfRun> ends(handle, topics::kEndOfRun);
-  Collector<ring_gyro_msgs::PlantTruth> truths(handle, topics::kPlantTruth);
+  Collector<ring_gyro::OrbitalElements> elements(handle, bridge::topics::kOrbitalElements);
+  Collector<ring_gyro::ControlGains> gains(handle, bridge::topics::kControlGains);
+  Collector<ring_gyro::ParameterEstimate> estimates(handle, bridge::topics::kParameterEstimate);
+  Collector<ring_gyro::CompensationGains> decisions(handle, bridge::topics::kCompensationGains);
+  Collector<ring_gyro::EndOfRun> ends(handle, bridge::topics::kEndOfRun);
+  Collector<ring_gyro::PlantTruth> truths(handle, bridge::topics::kPlantTruth);
 
-  const NodeConfiguration configuration = readNodeConfiguration(ros::NodeHandle("control_loops"));
-  const LoopConfiguration& loop_configuration = configuration.loop;
+  const bridge::NodeConfiguration configuration =
+      bridge::readNodeConfiguration(ros::NodeHandle("control_loops"));
+  const cvg::LoopConfiguration& loop_configuration = configuration.loop;
   const std::size_t blocks = loop_configuration.run.blocks(loop_configuration.converter);
   const std::size_t periods = blocks / loop_configuration.periodBlocks();
   const bool compensated = loop_configuration.control.compensation;
@@ -95,49 +96,49 @@ TEST(Graph, SendsWhatTheLoopInOneProcessComputes) {
   ASSERT_EQ(estimates.messages().size(), periods);
   ASSERT_EQ(decisions.messages().size(), compensated ? periods : 0);
 
-  ClosedLoop loop(loop_configuration);
-  ring_gyro_msgs::OrbitalElements elements_message;
-  ring_gyro_msgs::ControlGains gains_message;
-  ring_gyro_msgs::ParameterEstimate estimate_message;
-  ring_gyro_msgs::CompensationGains decision_message;
-  ring_gyro_msgs::PlantTruth truth_message;
-  ParameterEstimate last;
+  cvg::ClosedLoop loop(loop_configuration);
+  ring_gyro::OrbitalElements elements_message;
+  ring_gyro::ControlGains gains_message;
+  ring_gyro::ParameterEstimate estimate_message;
+  ring_gyro::CompensationGains decision_message;
+  ring_gyro::PlantTruth truth_message;
+  cvg::ParameterEstimate last;
   for (std::size_t block = 0; block < blocks; ++block) {
-    const LoopRecord record = loop.step();
-    toMessage(record.loops.elements, elements_message);
+    const cvg::LoopRecord record = loop.step();
+    bridge::toMessage(record.loops.elements, elements_message);
     elements.expectNext(elements_message);
-    toMessage(record.loops.gains, gains_message);
+    bridge::toMessage(record.loops.gains, gains_message);
     gains.expectNext(gains_message);
-    toMessage(record.truth(), truth_message);
+    bridge::toMessage(record.truth(), truth_message);
     truths.expectNext(truth_message);
     if (!record.estimate) continue;
     last = *record.estimate;
-    toMessage(last, record.identifier.covariance(), estimate_message);
+    bridge::toMessage(last, record.identifier.covariance(), estimate_message);
     estimates.expectNext(estimate_message);
     if (!compensated) continue;
-    toMessage(*record.decision, estimate_message.header.stamp, decision_message);
+    bridge::toMessage(*record.decision, estimate_message.header.stamp, decision_message);
     decisions.expectNext(decision_message);
   }
   EXPECT_EQ(estimates.compared(), periods);
 
   // And what it computes is the device.
-  const ResonatorParameters& device = loop_configuration.plant.resonator;
+  const cvg::ResonatorParameters& device = loop_configuration.plant.resonator;
   EXPECT_TRUE(last.converged);
-  EXPECT_NEAR(last.value[kGamma1], device.gamma1, 1e-4);
-  EXPECT_NEAR(last.value[kGamma2], device.gamma2, 1e-4);
-  EXPECT_NEAR(last.value[kMu1], device.mu1, 5e-8);
-  EXPECT_NEAR(last.value[kMu2], device.mu2, 5e-8);
-  EXPECT_NEAR(last.value[kDriveGain] / device.driveGain(), 1.0, 5e-4);
+  EXPECT_NEAR(last.value[cvg::kGamma1], device.gamma1, 1e-4);
+  EXPECT_NEAR(last.value[cvg::kGamma2], device.gamma2, 1e-4);
+  EXPECT_NEAR(last.value[cvg::kMu1], device.mu1, 5e-8);
+  EXPECT_NEAR(last.value[cvg::kMu2], device.mu2, 5e-8);
+  EXPECT_NEAR(last.value[cvg::kDriveGain] / device.driveGain(), 1.0, 5e-4);
   EXPECT_TRUE(elements.messages().back()->status.amplitude_locked);
   EXPECT_EQ(last.lost_blocks, 0u);
   if (compensated) {
-    EXPECT_EQ(decisions.messages().back()->state, ring_gyro_msgs::CompensationGains::TRACKING);
+    EXPECT_EQ(decisions.messages().back()->state, ring_gyro::CompensationGains::TRACKING);
     EXPECT_LT(std::hypot(last.residual_gamma1, last.residual_gamma2), 1e-3);
   }
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

@@ -11,7 +11,7 @@
 #include "ring_gyro/identification/identifier.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 struct Case {
@@ -123,4 +123,4 @@ TEST(IdentifierOnPlant, AnyGroupDelay) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

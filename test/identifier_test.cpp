@@ -11,7 +11,7 @@
 #include "averaged_loop.h"
 #include "ring_gyro/compensation/compensation_injector.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -500,4 +500,4 @@ TEST(Identifier, PaperTuningIsSlow) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

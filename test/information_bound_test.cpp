@@ -11,7 +11,7 @@
 #include "ring_gyro/identification/extended_identifier.h"
 #include "ring_gyro/identification/identifier.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kNoise = 5e-6;  // [V/sqrt(Hz)]
@@ -193,4 +193,4 @@ TEST(EnvelopeBound, DoesNotChangeWithTheLoopsNoise) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

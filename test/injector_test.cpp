@@ -13,21 +13,21 @@
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
-using Decision = ring_gyro_msgs::CompensationGains;
-using Estimate = ring_gyro_msgs::ParameterEstimate;
+using Decision = ring_gyro::CompensationGains;
+using Estimate = ring_gyro::ParameterEstimate;
 
 class InjectorTest : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kPeriod = 100;  // blocks
 
   void SetUp() override {
-    publisher_ = handle_.advertise<Estimate>(topics::kParameterEstimate, 0);
+    publisher_ = handle_.advertise<Estimate>(bridge::topics::kParameterEstimate, 0);
     const boost::function<void(const Decision::ConstPtr&)> collect =
         [this](const Decision::ConstPtr& message) { decisions_.push_back(*message); };
-    subscriber_ = handle_.subscribe<Decision>(topics::kCompensationGains, 0, collect);
+    subscriber_ = handle_.subscribe<Decision>(bridge::topics::kCompensationGains, 0, collect);
     waitFor([this] { return publisher_.getNumSubscribers() > 0; });
   }
 
@@ -105,7 +105,7 @@ TEST_F(InjectorTest, FollowsHoldsResetsAndStops) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

@@ -12,7 +12,7 @@
 #include "averaged_loop.h"
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kFrequency = 14e3;
@@ -461,4 +461,4 @@ TEST(IntervalFilter, KnowsHowFarItIsLinear) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

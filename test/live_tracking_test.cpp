@@ -14,7 +14,7 @@
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 LoopConfiguration drifting(const std::vector<std::string>& more = {}) {
@@ -106,4 +106,4 @@ TEST(LiveTracking, FreezesWhatAPatternAtRestDoesNotShow) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -12,7 +12,7 @@
 #include "ring_gyro/logs/log_importer.h"
 #include "ring_gyro/logs/record_source.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What a log was imported to.
 struct ImportedLog {
@@ -74,4 +74,4 @@ inline bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

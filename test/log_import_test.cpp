@@ -11,7 +11,7 @@
 #include "ring_gyro/logs/number_text.h"
 #include "ring_gyro/logs/quantity.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -767,4 +767,4 @@ TEST_F(BadLog, MoreColumnsThanSignals) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

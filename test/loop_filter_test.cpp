@@ -7,7 +7,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -77,4 +77,4 @@ TEST(LoopFilter, LimitsTheSumWithWhatIsAddedToIt) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -14,7 +14,7 @@
 #include "log_fixture.h"
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 class MatLog : public LogTest {
@@ -459,4 +459,4 @@ TEST_F(MatLog, BrokenFile) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 
 /// Contents of a message; the sequence number of the header belongs to the transport.
 template <typename Message>
@@ -17,4 +17,4 @@ std::vector<std::uint8_t> bytesOf(Message message) {
   return bytes;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

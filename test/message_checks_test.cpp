@@ -19,7 +19,7 @@
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -56,34 +56,34 @@ class Numbers {
 
 /// All messages of a second of the loop, locked or not.
 struct Messages {
-  ring_gyro_msgs::DisplacementBlock displacement;
-  ring_gyro_msgs::DriveCommand command;
-  ring_gyro_msgs::OrbitalElements elements;
-  ring_gyro_msgs::ControlGains gains;
-  ring_gyro_msgs::ParameterEstimate estimate;
-  ring_gyro_msgs::CompensationGains decision;
-  ring_gyro_msgs::PlantTruth truth;
+  ring_gyro::DisplacementBlock displacement;
+  ring_gyro::DriveCommand command;
+  ring_gyro::OrbitalElements elements;
+  ring_gyro::ControlGains gains;
+  ring_gyro::ParameterEstimate estimate;
+  ring_gyro::CompensationGains decision;
+  ring_gyro::PlantTruth truth;
 };
 
-LoopConfiguration configuration() {
-  return readConfigurationFile(std::string(RING_GYRO_CONFIG_DIR) + "/paper_simulation.yaml",
-                               {"control/compensation=true", "control/virtual_rate=1.0"});
+cvg::LoopConfiguration configuration() {
+  return cvg::readConfigurationFile(std::string(RING_GYRO_CONFIG_DIR) + "/paper_simulation.yaml",
+                                    {"control/compensation=true", "control/virtual_rate=1.0"});
 }
 
 template <typename OnBlock>
 Messages runLoop(std::uint64_t blocks, OnBlock on_block) {
-  ClosedLoop loop(configuration());
+  cvg::ClosedLoop loop(configuration());
   Messages messages;
   for (std::uint64_t i = 0; i < blocks; ++i) {
-    const LoopRecord record = loop.step();
-    toMessage(record.displacement, messages.displacement);
-    toMessage(record.loops.command, record.displacement.stamp, messages.command);
-    toMessage(record.loops.elements, messages.elements);
-    toMessage(record.loops.gains, messages.gains);
-    toMessage(record.truth(), messages.truth);
+    const cvg::LoopRecord record = loop.step();
+    bridge::toMessage(record.displacement, messages.displacement);
+    bridge::toMessage(record.loops.command, record.displacement.stamp, messages.command);
+    bridge::toMessage(record.loops.elements, messages.elements);
+    bridge::toMessage(record.loops.gains, messages.gains);
+    bridge::toMessage(record.truth(), messages.truth);
     if (record.estimate) {
-      toMessage(*record.estimate, record.identifier.covariance(), messages.estimate);
-      toMessage(*record.decision, messages.estimate.header.stamp, messages.decision);
+      bridge::toMessage(*record.estimate, record.identifier.covariance(), messages.estimate);
+      bridge::toMessage(*record.decision, messages.estimate.header.stamp, messages.decision);
     }
     on_block(messages, record.estimate != nullptr);
   }
@@ -95,8 +95,8 @@ const Messages& good() {
   return messages;
 }
 
-ring_gyro_msgs::CalibrationCommand goodCommand() {
-  CalibrationCommand command;
+ring_gyro::CalibrationCommand goodCommand() {
+  cvg::CalibrationCommand command;
   command.session = 1;
   command.effective_sequence = 300;
   command.settings.virtual_rate = 0.7;
@@ -106,36 +106,36 @@ ring_gyro_msgs::CalibrationCommand goodCommand() {
   command.settings.calibration.angle_map = {0.1, {0.2}, {0.3, 0.4, 0.5}};
   command.leg = "survey";
   command.time_left = 12.0;
-  ring_gyro_msgs::CalibrationCommand message;
-  toMessage(command, {1, 199, 200000000, 1000000}, message);
+  ring_gyro::CalibrationCommand message;
+  bridge::toMessage(command, {1, 199, 200000000, 1000000}, message);
   return message;
 }
 
 TEST(MessageChecks, FindNothingInWhatTheLoopSends) {
   runLoop(3000, [](const Messages& m, bool estimate) {
-    ASSERT_FALSE(faultOf(m.displacement)) << faultOf(m.displacement).text;
-    ASSERT_FALSE(faultOf(m.command)) << faultOf(m.command).text;
-    ASSERT_FALSE(faultOf(m.elements)) << faultOf(m.elements).text;
-    ASSERT_FALSE(faultOf(m.gains)) << faultOf(m.gains).text;
-    ASSERT_FALSE(faultOf(m.truth)) << faultOf(m.truth).text;
+    ASSERT_FALSE(bridge::faultOf(m.displacement)) << bridge::faultOf(m.displacement).text;
+    ASSERT_FALSE(bridge::faultOf(m.command)) << bridge::faultOf(m.command).text;
+    ASSERT_FALSE(bridge::faultOf(m.elements)) << bridge::faultOf(m.elements).text;
+    ASSERT_FALSE(bridge::faultOf(m.gains)) << bridge::faultOf(m.gains).text;
+    ASSERT_FALSE(bridge::faultOf(m.truth)) << bridge::faultOf(m.truth).text;
     if (!estimate) return;
-    ASSERT_FALSE(faultOf(m.estimate)) << faultOf(m.estimate).text;
-    ASSERT_FALSE(faultOf(m.decision)) << faultOf(m.decision).text;
+    ASSERT_FALSE(bridge::faultOf(m.estimate)) << bridge::faultOf(m.estimate).text;
+    ASSERT_FALSE(bridge::faultOf(m.decision)) << bridge::faultOf(m.decision).text;
   });
-  EXPECT_FALSE(faultOf(goodCommand()));
+  EXPECT_FALSE(bridge::faultOf(goodCommand()));
 }
 
 template <typename Message>
 void expectEveryNumberChecked(Message message, std::initializer_list<double> wrong_values) {
-  ASSERT_FALSE(faultOf(message)) << faultOf(message).text;
+  ASSERT_FALSE(bridge::faultOf(message)) << bridge::faultOf(message).text;
   const Numbers numbers(message);
   ASSERT_FALSE(numbers.all().empty());
   for (std::size_t i = 0; i < numbers.all().size(); ++i) {
     const double right = *numbers.all()[i];
     for (const double wrong : wrong_values) {
       *numbers.all()[i] = wrong;
-      const MessageFault fault = faultOf(message);
-      EXPECT_EQ(fault.kind, Refusal::kNotFinite) << "number " << i << " = " << wrong;
+      const bridge::MessageFault fault = bridge::faultOf(message);
+      EXPECT_EQ(fault.kind, cvg::Refusal::kNotFinite) << "number " << i << " = " << wrong;
       EXPECT_EQ(fault.text.rfind(fault.field, 0), 0u) << fault.text;
       EXPECT_NE(std::string(fault.field), "");
       EXPECT_NE(std::string(fault.reason), "");
@@ -146,7 +146,7 @@ void expectEveryNumberChecked(Message message, std::initializer_list<double> wro
 
 TEST(MessageChecks, LookAtEveryNumberOfEveryMessage) {
   const auto any_size = {kNaN, kInfinity, -kInfinity, 1e300, -1e13};
-  ring_gyro_msgs::DisplacementBlock displacement = good().displacement;
+  ring_gyro::DisplacementBlock displacement = good().displacement;
   displacement.x.clear();  // samples are the loops' affair: they coast
   displacement.y.clear();
   expectEveryNumberChecked(displacement, any_size);
@@ -163,8 +163,8 @@ TEST(MessageChecks, LookAtEveryNumberOfEveryMessage) {
 template <typename Message, typename Change>
 void expectImpossible(Message message, const std::string& field, Change change) {
   change(message);
-  const MessageFault fault = faultOf(message);
-  EXPECT_EQ(fault.kind, Refusal::kImpossible) << field;
+  const bridge::MessageFault fault = bridge::faultOf(message);
+  EXPECT_EQ(fault.kind, cvg::Refusal::kImpossible) << field;
   EXPECT_EQ(fault.field, field);
   EXPECT_NE(fault.text.find("allowed: "), std::string::npos) << fault.text;
 }
@@ -203,72 +203,72 @@ TEST(MessageChecks, RefuseWhatCannotBe) {
   expectImpossible(goodCommand(), "calibration.angle_map_sine",
                    [](auto& c) { c.calibration.angle_map_sine.assign(1000, 0.0); });
   // Before the first drive there is no reference.
-  ring_gyro_msgs::DisplacementBlock first = m.displacement;
+  ring_gyro::DisplacementBlock first = m.displacement;
   first.driven = false;
   first.reference_frequency = 0.0;
-  EXPECT_FALSE(faultOf(first));
+  EXPECT_FALSE(bridge::faultOf(first));
 }
 
 TEST(MessageChecks, DriveIsTheSumOfItsPartsOrAllThatThereIs) {
-  ring_gyro_msgs::ControlGains message = good().gains;
-  ControlGains expected;
-  fromMessage(message, expected);
-  for (double ring_gyro_msgs::Envelope::*part :
-       {&ring_gyro_msgs::Envelope::x_real, &ring_gyro_msgs::Envelope::x_imag,
-        &ring_gyro_msgs::Envelope::y_real, &ring_gyro_msgs::Envelope::y_imag}) {
+  ring_gyro::ControlGains message = good().gains;
+  cvg::ControlGains expected;
+  bridge::fromMessage(message, expected);
+  for (double ring_gyro::Envelope::*part :
+       {&ring_gyro::Envelope::x_real, &ring_gyro::Envelope::x_imag, &ring_gyro::Envelope::y_real,
+        &ring_gyro::Envelope::y_imag}) {
     message = good().gains;
     message.drive.*part *= 1.0 + 1e-13;  // rounding
-    EXPECT_FALSE(faultOf(message));
+    EXPECT_FALSE(bridge::faultOf(message));
     message.drive.*part += 1e-3;
-    const MessageFault fault = faultOf(message);
-    EXPECT_EQ(fault.kind, Refusal::kContradiction);
+    const bridge::MessageFault fault = bridge::faultOf(message);
+    EXPECT_EQ(fault.kind, cvg::Refusal::kContradiction);
     EXPECT_EQ(std::string(fault.field), "drive");
     EXPECT_NE(fault.text.find("is not the sum of its parts, ("), std::string::npos) << fault.text;
   }
   message = good().gains;
   message.drive = {};
-  EXPECT_EQ(faultOf(message).kind, Refusal::kContradiction);
+  EXPECT_EQ(bridge::faultOf(message).kind, cvg::Refusal::kContradiction);
   // Only the total.
   message = good().gains;
   message.sustain = message.quadrature = message.steering = message.compensation = {};
-  EXPECT_FALSE(faultOf(message));
-  ControlGains gains;
-  fromMessage(message, gains);
+  EXPECT_FALSE(bridge::faultOf(message));
+  cvg::ControlGains gains;
+  bridge::fromMessage(message, gains);
   EXPECT_EQ(gains.drive.total(), expected.drive.total());
 }
 
 TEST(MessageChecks, OfARefusedMessageOnlyTheBlockIsKnown) {
-  ring_gyro_msgs::OrbitalElements message = good().elements;
+  ring_gyro::OrbitalElements message = good().elements;
   message.angle_rate = kNaN;
-  OrbitalElements elements;
-  EXPECT_TRUE(readChecked(message, elements));
+  cvg::OrbitalElements elements;
+  EXPECT_TRUE(bridge::readChecked(message, elements));
   EXPECT_EQ(elements.stamp.sequence, message.sequence);
   EXPECT_FALSE(elements.status.usable());
-  EXPECT_EQ(elements.status.refused, Refusal::kNotFinite);
+  EXPECT_EQ(elements.status.refused, cvg::Refusal::kNotFinite);
   EXPECT_EQ(elements.angle_rate, 0.0);
   EXPECT_EQ(elements.orbit.a, 0.0);
-  ring_gyro_msgs::ControlGains contradictory = good().gains;
+  ring_gyro::ControlGains contradictory = good().gains;
   contradictory.drive.x_real += 1.0;
-  ControlGains gains;
-  EXPECT_TRUE(readChecked(contradictory, gains));
-  EXPECT_EQ(gains.status.refused, Refusal::kContradiction);
+  cvg::ControlGains gains;
+  EXPECT_TRUE(bridge::readChecked(contradictory, gains));
+  EXPECT_EQ(gains.status.refused, cvg::Refusal::kContradiction);
   EXPECT_EQ(gains.drive.total().norm(), 0.0);
 }
 
 /// What is counted as usable is what the filter uses: of any one block, whatever is wrong with it.
 TEST(BlockUse, AgreesWithWhatTheChainAdmits) {
-  OrbitalElements good_elements;
-  fromMessage(good().elements, good_elements);
-  ControlGains good_gains;
-  fromMessage(good().gains, good_gains);
-  good_elements.status = good_gains.status = LoopStatus{true, true, true, false, false, false};
+  cvg::OrbitalElements good_elements;
+  bridge::fromMessage(good().elements, good_elements);
+  cvg::ControlGains good_gains;
+  bridge::fromMessage(good().gains, good_gains);
+  good_elements.status = good_gains.status = cvg::LoopStatus{true, true, true, false, false, false};
   good_elements.group_delay = 0.4e-3;  // less than half a block: no memory
   std::mt19937 random(5);
   int admitted = 0;
   std::array<int, 12> seen{};
   for (int i = 0; i < 20000; ++i) {
-    OrbitalElements e = good_elements;
-    ControlGains g = good_gains;
+    cvg::OrbitalElements e = good_elements;
+    cvg::ControlGains g = good_gains;
     const auto strange = [&random] {
       const std::array<double, 8> values = {0.0, -1.0, kNaN, kInfinity, 1e12, 0.05, 9e11, -5e11};
       return values[random() % values.size()];
@@ -290,14 +290,14 @@ TEST(BlockUse, AgreesWithWhatTheChainAdmits) {
       bool& flag = *flags[random() % flags.size()];
       flag = !flag;
     }
-    if (random() % 16 == 0) e.status.refused = static_cast<Refusal>(random() % 4);
+    if (random() % 16 == 0) e.status.refused = static_cast<cvg::Refusal>(random() % 4);
     if (random() % 16 == 0) e.stamp.duration_ns += 1;
     if (random() % 32 == 0) ++g.stamp.sequence;
-    BlockChain chain(1000000);
+    cvg::BlockChain chain(1000000);
     const bool used = chain.admit(e, g, 0.0);
-    EXPECT_EQ(used, chain.lastUse() == BlockUse::kUsable) << i;
-    if (chain.lastUse() != BlockUse::kGroupDelay && !(e.group_delay < 0.0)) {
-      EXPECT_EQ(chain.lastUse(), useOf(e, g, 1000000)) << i;
+    EXPECT_EQ(used, chain.lastUse() == cvg::BlockUse::kUsable) << i;
+    if (chain.lastUse() != cvg::BlockUse::kGroupDelay && !(e.group_delay < 0.0)) {
+      EXPECT_EQ(chain.lastUse(), cvg::useOf(e, g, 1000000)) << i;
     }
     if (used) ++admitted;
     ++seen[static_cast<std::size_t>(chain.lastUse())];
@@ -307,4 +307,4 @@ TEST(BlockUse, AgreesWithWhatTheChainAdmits) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

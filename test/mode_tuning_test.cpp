@@ -6,7 +6,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 LoopConfiguration splitDevice() {
@@ -53,4 +53,4 @@ TEST(TuningSquares, GoToOneElectrodeOfEachPair) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -11,7 +11,7 @@
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/simulation/random_device.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 MonteCarlo batchOf(const char* duration) {
@@ -120,4 +120,4 @@ TEST(RandomDevice, IsDrawnFromTheStatedRanges) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 std::vector<double> drawn(std::uint64_t seed, std::size_t count) {
@@ -71,4 +71,4 @@ TEST(NormalSource, NeighboursAndLanesAreIndependent) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

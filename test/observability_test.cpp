@@ -14,7 +14,7 @@
 #include "ring_gyro/identification/extended_prior.h"
 #include "ring_gyro/identification/information_bound.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kNoise = 5e-6;  // [V/sqrt(Hz)]
@@ -205,4 +205,4 @@ TEST_F(Observability, QualityNeedsSteeringOrAChangeOfTheAmplitude) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 double uniform(std::mt19937& random, double lowest, double highest) {
@@ -100,4 +100,4 @@ TEST(AngleUnwrapper, CountsTurnsBothWays) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/identification/identifier.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 class OtherSimulator : public LogTest {};
@@ -59,4 +59,4 @@ TEST_F(OtherSimulator, LogIdentifiesToItsDevice) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

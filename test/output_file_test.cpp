@@ -18,7 +18,7 @@
 
 #include "ring_gyro/common/whole_file.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 namespace fs = std::filesystem;
@@ -295,4 +295,4 @@ TEST_F(ApartTest, RefusesTwoOutputsThatAreOne) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 struct Example {
@@ -43,4 +43,4 @@ TEST(ParameterTable, NotANumberIsOutOfEveryRange) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -42,4 +42,4 @@ TEST(PatternFeedforward, IsOffAtRateZero) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

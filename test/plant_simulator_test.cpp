@@ -11,7 +11,7 @@
 #include "reference_solution.h"
 #include "ring_gyro/demodulation/demodulator.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -431,4 +431,4 @@ TEST(ResonatorParameters, TuningVoltagesSoftenAlongTheirElectrodes) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -10,7 +10,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -152,4 +152,4 @@ TEST(WindowedRates, areTheRateAtTheMeanAngle) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 TEST(RateParity, TellsDriftFromAngleScale) {
@@ -75,4 +75,4 @@ TEST(RateParity, RefusesAPatternThatTurnsBack) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

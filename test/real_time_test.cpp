@@ -12,7 +12,7 @@
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 using WallClock = std::chrono::steady_clock;
@@ -24,30 +24,30 @@ TEST(RealTime, KeepsTimeAndEndsInOrder) {
   WallClock::time_point last;
   bool ended = false;
   std::uint64_t last_sequence = 0;
-  const boost::function<void(const ring_gyro_msgs::OrbitalElements::ConstPtr&)> collect =
-      [&](const ring_gyro_msgs::OrbitalElements::ConstPtr& message) {
+  const boost::function<void(const ring_gyro::OrbitalElements::ConstPtr&)> collect =
+      [&](const ring_gyro::OrbitalElements::ConstPtr& message) {
         last = WallClock::now();
         if (sequences.empty()) first = last;
         sequences.push_back(message->sequence);
         EXPECT_FALSE(message->header.stamp.isZero());
       };
-  const boost::function<void(const ring_gyro_msgs::EndOfRun::ConstPtr&)> end =
-      [&](const ring_gyro_msgs::EndOfRun::ConstPtr& message) {
+  const boost::function<void(const ring_gyro::EndOfRun::ConstPtr&)> end =
+      [&](const ring_gyro::EndOfRun::ConstPtr& message) {
         ended = true;
         last_sequence = message->last_sequence;
       };
   // One subscription to each that the run waits for; their contents are tested elsewhere.
   const auto nothing = [](const auto&) {};
-  const boost::function<void(const ring_gyro_msgs::ControlGains::ConstPtr&)> gains = nothing;
-  const boost::function<void(const ring_gyro_msgs::ParameterEstimate::ConstPtr&)> estimates =
-      nothing;
-  const boost::function<void(const ring_gyro_msgs::PlantTruth::ConstPtr&)> truth = nothing;
+  const boost::function<void(const ring_gyro::ControlGains::ConstPtr&)> gains = nothing;
+  const boost::function<void(const ring_gyro::ParameterEstimate::ConstPtr&)> estimates = nothing;
+  const boost::function<void(const ring_gyro::PlantTruth::ConstPtr&)> truth = nothing;
   std::vector<ros::Subscriber> subscribers{
-      handle.subscribe<ring_gyro_msgs::OrbitalElements>(topics::kOrbitalElements, 0, collect),
-      handle.subscribe<ring_gyro_msgs::EndOfRun>(topics::kEndOfRun, 0, end),
-      handle.subscribe<ring_gyro_msgs::ControlGains>(topics::kControlGains, 0, gains),
-      handle.subscribe<ring_gyro_msgs::ParameterEstimate>(topics::kParameterEstimate, 0, estimates),
-      handle.subscribe<ring_gyro_msgs::PlantTruth>(topics::kPlantTruth, 0, truth)};
+      handle.subscribe<ring_gyro::OrbitalElements>(bridge::topics::kOrbitalElements, 0, collect),
+      handle.subscribe<ring_gyro::EndOfRun>(bridge::topics::kEndOfRun, 0, end),
+      handle.subscribe<ring_gyro::ControlGains>(bridge::topics::kControlGains, 0, gains),
+      handle.subscribe<ring_gyro::ParameterEstimate>(bridge::topics::kParameterEstimate, 0,
+                                                     estimates),
+      handle.subscribe<ring_gyro::PlantTruth>(bridge::topics::kPlantTruth, 0, truth)};
   const auto give_up = WallClock::now() + std::chrono::seconds(60);
   const auto complete = [&] { return ended && sequences.size() > last_sequence; };
   while (!complete() && WallClock::now() < give_up) {
@@ -63,7 +63,7 @@ TEST(RealTime, KeepsTimeAndEndsInOrder) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

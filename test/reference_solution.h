@@ -8,7 +8,7 @@
 
 #include "ring_gyro/resonator/resonator_parameters.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Independent reference for the plant: equations (6)-(10) as printed in docs/derivation.md,
 /// integrated in long double by a Fehlberg 7(8) method with a tight tolerance.
@@ -67,4 +67,4 @@ inline double relativeError(const ReferenceSolution::State& reference, const dou
   return largest / amplitude;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

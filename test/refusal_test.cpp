@@ -12,7 +12,7 @@
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 const char* const kNodes[] = {"plant_simulator",       "control_loops", "ekf_identifier",
@@ -145,10 +145,10 @@ TEST(Silence, PlantNamesWhoDoesNotAnswer) {
   ros::param::set("/lonely_plant/node/lockstep_timeout", 0.5);
   ros::NodeHandle handle;
   // Listens, but never answers.
-  const boost::function<void(const ring_gyro_msgs::DisplacementBlock::ConstPtr&)> ignore =
-      [](const ring_gyro_msgs::DisplacementBlock::ConstPtr&) {};
+  const boost::function<void(const ring_gyro::DisplacementBlock::ConstPtr&)> ignore =
+      [](const ring_gyro::DisplacementBlock::ConstPtr&) {};
   const ros::Subscriber listener =
-      handle.subscribe<ring_gyro_msgs::DisplacementBlock>(topics::kDisplacement, 10, ignore);
+      handle.subscribe<ring_gyro::DisplacementBlock>(bridge::topics::kDisplacement, 10, ignore);
   const Outcome outcome = run("plant_simulator", "lonely_plant");
   EXPECT_GT(outcome.exit_code, 0);
   const std::string line = lineWith(outcome.text, "no drive command has answered block 0");
@@ -157,7 +157,7 @@ TEST(Silence, PlantNamesWhoDoesNotAnswer) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

@@ -12,7 +12,7 @@
 #include "ring_gyro/control/control_loops.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kLockLimit = 1.0;  // [s]
@@ -148,4 +148,4 @@ INSTANTIATE_TEST_SUITE_P(Presets, Relock,
                          [](const auto& info) { return std::string(info.param); });
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

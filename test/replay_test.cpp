@@ -17,26 +17,27 @@
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
-using Estimate = ring_gyro_msgs::ParameterEstimate;
+using Estimate = ring_gyro::ParameterEstimate;
 
 TEST(Replay, GivesTheEstimatesOfTheRun) {
-  LoopConfiguration configuration = readNodeConfiguration(ros::NodeHandle("ekf_identifier")).loop;
+  cvg::LoopConfiguration configuration =
+      bridge::readNodeConfiguration(ros::NodeHandle("ekf_identifier")).loop;
   const std::string bag = ::testing::TempDir() + "ring_gyro_replay_test.bag";
   std::vector<std::vector<std::uint8_t>> expected;
   {
-    ClosedLoop loop(configuration);
-    LoopRecorder recorder(bag, false);
-    BlockStamp last;
+    cvg::ClosedLoop loop(configuration);
+    bridge::LoopRecorder recorder(bag, false);
+    cvg::BlockStamp last;
     for (std::uint64_t i = 0; i < configuration.run.blocks(configuration.converter); ++i) {
-      const LoopRecord record = loop.step();
+      const cvg::LoopRecord record = loop.step();
       recorder.write(record);
       last = record.displacement.stamp;
       if (!record.estimate) continue;
       Estimate message;
-      toMessage(*record.estimate, record.identifier.covariance(), message);
+      bridge::toMessage(*record.estimate, record.identifier.covariance(), message);
       expected.push_back(bytesOf(message));
     }
     recorder.finish(last);
@@ -47,7 +48,7 @@ TEST(Replay, GivesTheEstimatesOfTheRun) {
   const boost::function<void(const Estimate::ConstPtr&)> collect =
       [&](const Estimate::ConstPtr& message) { received.push_back(bytesOf(*message)); };
   const ros::Subscriber subscriber =
-      handle.subscribe<Estimate>(topics::kParameterEstimate, 0, collect);
+      handle.subscribe<Estimate>(bridge::topics::kParameterEstimate, 0, collect);
   const std::string command = "rosbag play --quiet --queue=0 --wait-for-subscribers --rate=10 " +
                               bag +
                               " --topics orbital_elements control_gains end_of_run __name:=player";
@@ -66,7 +67,7 @@ TEST(Replay, GivesTheEstimatesOfTheRun) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

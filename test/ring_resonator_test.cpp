@@ -9,7 +9,7 @@
 #include "reference_solution.h"
 #include "ring_gyro/resonator/sampled_resonator.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -280,4 +280,4 @@ TEST(SampledResonator, CubicStiffness) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 double numericMean(const RotationProfile& profile, double begin, double end) {
@@ -85,4 +85,4 @@ TEST_F(RotationFile, FaultsNameFileLineAndMend) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 std::vector<double> times(double period, double resolution, int rows) {
@@ -61,4 +61,4 @@ TEST(RowClock, RefusesTimeThatStaysOrFallsBack) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

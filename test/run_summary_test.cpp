@@ -8,7 +8,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::int64_t kBlock = 1'000'000;  // ns
@@ -206,4 +206,4 @@ TEST(RunRecord, refusesASecondRun) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 template <typename Vector>
@@ -39,4 +39,4 @@ TEST(SineCosine, OfWhatIsNotANumberIsNone) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 namespace fs = std::filesystem;
@@ -96,4 +96,4 @@ TEST_F(StagedFileTest, SaysAtOnceWhatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

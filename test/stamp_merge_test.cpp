@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace ring_gyro {
+namespace ring_gyro::test {
 namespace {
 
 constexpr std::int64_t kBlock = 1'000'000;
@@ -36,14 +36,14 @@ class StampMergeTest : public testing::Test {
  protected:
   static constexpr std::size_t kFirst = 0, kPeriodic = 1, kEnd = 2, kSecond = 3;
 
-  void start(const StampMerge::Limits& limits) {
-    merge_ = std::make_unique<StampMerge>(limits);
+  void start(const bridge::StampMerge::Limits& limits) {
+    merge_ = std::make_unique<bridge::StampMerge>(limits);
     const auto published = [this] { return published_; };
-    for (const StampMerge::Topic& topic :
-         {StampMerge::Topic{true, 0, [] { return true; }},
-          StampMerge::Topic{true, (kPeriod - 1) * kBlock, published},
-          StampMerge::Topic{false, 0, [] { return true; }},
-          StampMerge::Topic{true, 0, [] { return true; }}}) {
+    for (const bridge::StampMerge::Topic& topic :
+         {bridge::StampMerge::Topic{true, 0, [] { return true; }},
+          bridge::StampMerge::Topic{true, (kPeriod - 1) * kBlock, published},
+          bridge::StampMerge::Topic{false, 0, [] { return true; }},
+          bridge::StampMerge::Topic{true, 0, [] { return true; }}}) {
       merge_->addTopic(topic);
     }
   }
@@ -78,7 +78,7 @@ class StampMergeTest : public testing::Test {
 
   bool published_ = true;
   Messages written_;
-  std::unique_ptr<StampMerge> merge_;
+  std::unique_ptr<bridge::StampMerge> merge_;
 };
 
 TEST_F(StampMergeTest, GivesTheOrderOfStampsHoweverTopicsArrive) {
@@ -170,4 +170,4 @@ TEST_F(StampMergeTest, OneStampThatStepsBackHoldsNothingUp) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::test

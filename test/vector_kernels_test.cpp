@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -167,4 +167,4 @@ TEST(VectorKernels, SumTakesAnyCountAndShowsWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

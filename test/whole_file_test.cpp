@@ -11,7 +11,7 @@
 
 #include "ring_gyro/common/write_fault.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 namespace fs = std::filesystem;
@@ -97,4 +97,4 @@ TEST(WriteFault, NamesAMendForEveryReason) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace cvg

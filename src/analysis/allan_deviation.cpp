@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 double deviationAt(const std::vector<double>& angles, std::size_t step, double time) {
@@ -69,4 +69,4 @@ std::vector<double> angleResidual(const std::vector<AngleSample>& samples,
   return residual;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

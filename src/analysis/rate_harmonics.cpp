@@ -11,7 +11,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr int kTerms = 1 + 2 * RateHarmonics::kCount;
@@ -241,4 +241,4 @@ std::vector<RateSample> windowedRates(const std::vector<AngleSample>& samples, d
   return result;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

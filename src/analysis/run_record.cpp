@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace ring_gyro {
+namespace cvg {
 
 RunBlock& RunRecord::at(const BlockStamp& stamp) {
   constexpr std::uint64_t kLongestGap = 10'000'000;  // blocks: hours
@@ -78,4 +78,4 @@ bool RunRecord::cut() const {
   return end == ends_.end() || first_sequence_ + blocks_.size() <= end->second;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

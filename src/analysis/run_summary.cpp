@@ -9,7 +9,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/identification/consistency.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -227,4 +227,4 @@ RunSummary summarise(const RunRecord& record, const SummaryOptions& options) {
   return summary;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

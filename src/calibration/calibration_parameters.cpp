@@ -2,7 +2,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 double CalibrationRunParameters::decayRate() const {
   return kPi * natural_frequency / quality_factor;
@@ -51,4 +51,4 @@ void CalibrationRunParameters::declare(ParameterTable& table) {
               "of turning at twice the rate threshold");
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

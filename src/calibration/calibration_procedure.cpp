@@ -9,7 +9,7 @@
 #include "ring_gyro/calibration/rate_parity.h"
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kLeastSettling = 2.0;     // [s]
@@ -498,4 +498,4 @@ std::vector<std::string> CalibrationProcedure::missingStages() const {
   return stages;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

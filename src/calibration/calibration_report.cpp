@@ -6,7 +6,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/formatted.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 double degreesPerHour(double rate) { return 3600.0 * toDegrees(rate); }
@@ -77,4 +77,4 @@ std::string calibrationText(const CalibrationResult& result) {
   return text;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

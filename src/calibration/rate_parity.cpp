@@ -7,7 +7,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr int kGrid = 1440;  // angles of a turn: the 8th harmonic is missed by 2e-4 of itself
@@ -97,4 +97,4 @@ double angularGainOf(const AngleHarmonics& odd_rate, double rotation_rate) {
   return -1.0 / (mean(slowness(odd_rate)) * rotation_rate);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

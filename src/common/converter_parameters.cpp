@@ -4,7 +4,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace ring_gyro {
+namespace cvg {
 
 std::int64_t ConverterParameters::blockDurationNanoseconds() const {
   const double exact = 1e9 * blockDuration();
@@ -37,4 +37,4 @@ void ConverterParameters::declare(ParameterTable& table) {
                "samples in a block; one block is one step of the control loops");
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-namespace ring_gyro {
+namespace cvg {
 
 std::string formatted(const char* pattern, ...) {
   char line[512];
@@ -14,4 +14,4 @@ std::string formatted(const char* pattern, ...) {
   return line;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

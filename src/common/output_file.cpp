@@ -15,7 +15,7 @@
 
 #include "ring_gyro/common/write_fault.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr mode_t kPlainMode = 0666;  // less the umask
@@ -192,4 +192,4 @@ void OutputFile::discard() noexcept {
   unlock();
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

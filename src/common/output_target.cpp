@@ -12,7 +12,7 @@
 
 #include "ring_gyro/common/write_fault.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 namespace fs = std::filesystem;
@@ -113,4 +113,4 @@ void requireApart(const std::vector<std::string>& outputs, const std::vector<std
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

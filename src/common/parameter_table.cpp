@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace ring_gyro {
+namespace cvg {
 
 bool Range::contains(double value) const {
   if (!std::isfinite(value)) return false;
@@ -99,4 +99,4 @@ void requireInRange(const ParameterTable& table, const std::string& prefix) {
   if (!faults.empty()) throw std::invalid_argument(faults);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

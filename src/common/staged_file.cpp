@@ -4,7 +4,7 @@
 
 #include "ring_gyro/common/output_target.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 StagedFile::StagedFile(const std::string& path) : whole_(path) {
   if (path.empty() || outputTarget(path).kind != OutputTarget::Kind::kFile) return;
@@ -24,4 +24,4 @@ void StagedFile::finish(const std::string& text) {
   kept_.clear();
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

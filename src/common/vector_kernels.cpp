@@ -7,7 +7,7 @@
 #include "ring_gyro/common/lanes.h"
 #include "ring_gyro/common/vector_dispatch.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::size_t kWidth = kLanes;
@@ -312,4 +312,4 @@ double sumOf(const double* values, std::size_t count) {
   return sum;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

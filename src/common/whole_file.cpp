@@ -2,7 +2,7 @@
 
 #include "ring_gyro/common/write_fault.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::size_t kEnoughForAWrite = 65536;  // bytes
@@ -46,4 +46,4 @@ void requireWritable(const std::string& path) {
   const WholeFile file(path);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -9,7 +9,7 @@
 #include <ctime>
 #include <stdexcept>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 std::string mendOf(const std::string& path, int reason) {
@@ -91,4 +91,4 @@ void writeAll(int descriptor, const char* data, std::size_t size, const std::str
   if (reason != 0) throw std::runtime_error(writeFault(path, reason));
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 const InjectorParameters& checked(const InjectorParameters& parameters) {
@@ -133,4 +133,4 @@ void CompensationInjector::rampTowards(double gamma1, double gamma2, double dura
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

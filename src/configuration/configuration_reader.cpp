@@ -7,7 +7,7 @@
 
 #include "ring_gyro/configuration/parameter_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Faults = std::vector<std::string>;
@@ -274,4 +274,4 @@ LoopConfiguration readConfigurationFiles(const std::vector<std::string>& paths,
   throw ConfigurationError(std::move(faults));
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

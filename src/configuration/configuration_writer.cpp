@@ -5,7 +5,7 @@
 
 #include "ring_gyro/configuration/parameter_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 std::string line(const Parameter& parameter) {
@@ -70,4 +70,4 @@ std::string calibrationYaml(const CalibrationResult& result, DeviceKnowledge dev
   return head + configurationYaml(sections);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

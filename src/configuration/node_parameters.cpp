@@ -1,6 +1,6 @@
 #include "ring_gyro/configuration/node_parameters.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 void NodeParameters::declare(ParameterTable& table) {
   table
@@ -43,4 +43,4 @@ void NodeParameters::declare(ParameterTable& table) {
               "wall time of silence that ends a replay without /clock");
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 #include <locale>
 #include <sstream>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
@@ -172,4 +172,4 @@ std::string valueText(const Parameter& parameter) {
   return std::visit([](const auto* target) { return text(target); }, parameter.target);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

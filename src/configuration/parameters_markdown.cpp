@@ -3,7 +3,7 @@
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/configuration/parameter_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 /// Text for a cell of a table.
@@ -55,4 +55,4 @@ std::string parametersMarkdown() {
   return page;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <complex>
 
-namespace ring_gyro {
+namespace cvg {
 
 using Complex = std::complex<double>;
 
@@ -102,4 +102,4 @@ void Calibration::declare(ParameterTable& table) {
                "output angle less theta, with sin(n theta), n = 1, 2, ...");
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

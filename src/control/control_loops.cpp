@@ -9,7 +9,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/vector_kernels.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -299,4 +299,4 @@ Eigen::Vector2cd ControlLoops::sentFor(const Eigen::Vector2cd& total) const {
          (drive_correction_ * total);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 void declareTuning(ParameterTable& table, const std::string& loop, LoopTuning& tuning,
@@ -47,4 +47,4 @@ void ControlParameters::declare(ParameterTable& table) {
             "take steering, amplitude and corrections from a calibration run");
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

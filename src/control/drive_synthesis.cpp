@@ -3,7 +3,7 @@
 #include <cmath>
 #include <complex>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -34,4 +34,4 @@ DriveContributions synthesizeDrive(const Orbit& orbit, const DriveGains& gains,
   return drive;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 LoopGains loopGains(double bandwidth, double damping, double decay) {
   const double natural = kTwoPi * bandwidth;
@@ -26,4 +26,4 @@ double LoopFilter::update(double error, double beside) {
   return output;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

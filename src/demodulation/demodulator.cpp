@@ -10,7 +10,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/vector_kernels.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -112,4 +112,4 @@ Eigen::Vector2cd Demodulator::process(const DisplacementBlock& block) {
   return {Complex(sums[0], sums[1]), Complex(sums[2], sums[3])};
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

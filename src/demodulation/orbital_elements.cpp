@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -68,4 +68,4 @@ double AngleUnwrapper::unwrap(double theta) {
   return last_;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/identification/axes_dynamics.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 Eigen::Vector2d vectorOf(const TwoLanes& pair) { return {pair[0], pair[1]}; }
@@ -136,4 +136,4 @@ Orbit AveragedModel::integrate(const Orbit& orbit, const DeviceParameters& devic
   return now;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

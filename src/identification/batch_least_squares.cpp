@@ -7,7 +7,7 @@
 
 #include "ring_gyro/identification/extended_prior.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr int kMeasuredPasses = 3;  // with the derivatives along the measured envelope
@@ -218,4 +218,4 @@ BatchEstimate BatchLeastSquares::solve() const {
   return estimate;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

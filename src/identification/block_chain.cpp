@@ -8,7 +8,7 @@
 #include "ring_gyro/common/vector_dispatch.h"
 #include "ring_gyro/identification/averaged_model.h"
 
-namespace ring_gyro {
+namespace cvg {
 BlockChain::BlockChain(std::int64_t block_duration_ns)
     : block_duration_ns_(block_duration_ns),
       block_duration_(1e-9 * static_cast<double>(block_duration_ns)) {
@@ -192,4 +192,4 @@ RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void BlockChain::steps(std::uint64_t s
   stepTo(sequence, decay_rate, steps);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

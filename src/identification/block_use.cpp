@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 BlockUse useOf(Refusal refusal) {
@@ -57,4 +57,4 @@ BlockUse useOf(const OrbitalElements& elements, const ControlGains& gains,
   return useOf(elements, gains, magnitudes, block_duration_ns);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

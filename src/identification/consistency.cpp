@@ -4,7 +4,7 @@
 
 #include "ring_gyro/common/formatted.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 NisBounds nisBounds(std::uint64_t updates, int degrees_of_freedom) {
   const double count = static_cast<double>(updates);
@@ -35,4 +35,4 @@ std::string NisTally::misfit(int degrees_of_freedom) const {
       mean, static_cast<unsigned long long>(judged), bound);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 
 EnvelopeFilter::EnvelopeFilter(const EnvelopeModel& model, double sample_variance,
                                double sample_duration, double rate_density)
@@ -217,4 +217,4 @@ ExtendedMatrix EnvelopeFilter::covariance() const {
   return (scale_ * scale_.transpose()).cwiseProduct(covariance_);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

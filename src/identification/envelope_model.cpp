@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -246,4 +246,4 @@ Eigen::Vector4d EnvelopeModel::undistorted(const Eigen::Vector4d& measured,
   return envelope;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/identification/extended_prior.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 const ExtendedParameters& checked(const ExtendedParameters& parameters) {
@@ -314,4 +314,4 @@ void ExtendedIdentifier::start(const ExtendedVector& value, const ExtendedVector
   filter_.linearise(state_.linear(nominal));
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

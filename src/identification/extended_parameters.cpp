@@ -1,6 +1,6 @@
 #include "ring_gyro/identification/extended_parameters.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 void ExtendedParameters::declare(ParameterTable& table) {
   const Range order = Range::between(1.0, 16.0);
@@ -78,4 +78,4 @@ void ExtendedParameters::declare(ParameterTable& table) {
               "random walk of the estimated rotation; 0: constant");
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -1,6 +1,6 @@
 #include "ring_gyro/identification/extended_prior.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 /// Of each state: how far it may be from where it starts, and how far it wanders.
@@ -76,4 +76,4 @@ ExtendedVector parameterWalk(const ExtendedState& state, const ExtendedParameter
   return spreadOf(state, parameters, value).walk;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

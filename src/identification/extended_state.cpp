@@ -6,7 +6,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -210,4 +210,4 @@ ExtendedMatrix ExtendedState::physicalByLinear(const ExtendedVector& linear) con
   return result;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 void FirstLookSum::add(const Orbit& orbit, const Eigen::Vector2cd& drive,
                        double reference_frequency) {
@@ -27,4 +27,4 @@ FirstLook FirstLookSum::look(double duration, double decay_rate) const {
           (frequency + slip) / kTwoPi};
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

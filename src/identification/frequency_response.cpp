@@ -11,7 +11,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/resonator/ring_resonator.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -158,4 +158,4 @@ std::array<VibrationMode, 2> fitRingDown(const RingDown& ring_down) {
   return modesOf(rates, kTwoPi * ring_down.frequency);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 // Variance of what nothing is known of yet: finite, so that it can be sent and plotted.
@@ -100,8 +100,8 @@ Identifier::Identifier(const IdentificationParameters& parameters,
     : parameters_(checked(parameters)),
       model_(parameters.natural_frequency, parameters.quality_factor),
       filter_(model_, intervalNoise(parameters, converter.blockDuration(),
-                                    ring_gyro::periodBlocks(parameters, converter))),
-      period_blocks_(ring_gyro::periodBlocks(parameters, converter)),
+                                    cvg::periodBlocks(parameters, converter))),
+      period_blocks_(cvg::periodBlocks(parameters, converter)),
       period_(static_cast<double>(period_blocks_) * converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(converter.blockDuration())),
       chain_(converter.blockDurationNanoseconds()) {}
@@ -327,4 +327,4 @@ StateMatrix Identifier::covariance() const {
   return StateMatrix(variance.asDiagonal());
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 double square(double x) { return x * x; }
@@ -157,4 +157,4 @@ ExtendedMatrix EnvelopeBound::covariance() const {
   return 0.5 * (covariance + covariance.transpose());
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

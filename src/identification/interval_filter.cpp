@@ -4,7 +4,7 @@
 
 #include "ring_gyro/common/vector_dispatch.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 TwoLanes pairOf(const Eigen::Vector2d& vector) { return TwoLanes{vector[0], vector[1]}; }
@@ -382,4 +382,4 @@ StateVector IntervalFilter::variance() const {
   return result;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

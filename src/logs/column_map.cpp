@@ -12,7 +12,7 @@
 #include "ring_gyro/logs/log_error.h"
 #include "ring_gyro/logs/number_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
@@ -345,4 +345,4 @@ std::string ColumnMap::table(const std::vector<double>& first_row) const {
   return text;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

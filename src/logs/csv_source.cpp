@@ -8,7 +8,7 @@
 #include "ring_gyro/logs/number_text.h"
 #include "ring_gyro/logs/unit.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::size_t kLinesToLookAt = 200;
@@ -259,4 +259,4 @@ void CsvSource::failNumber(std::size_t column, std::string_view field) const {
                          : "mend it, or leave such rows out with --partial");
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 
 #include "ring_gyro/control/drive_synthesis.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 double valueOrZero(const LogRow& row, Quantity quantity) {
@@ -57,4 +57,4 @@ void LabDrive::rebuild(const LogRow& row, const Orbit& orbit, ControlGains& targ
   if (drive_gain_) target.virtual_rate = gains.virtual_rate;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

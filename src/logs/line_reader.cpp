@@ -6,7 +6,7 @@
 
 #include "ring_gyro/logs/log_error.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 18;
@@ -88,4 +88,4 @@ bool LineReader::next(std::string_view& line) {
   return true;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 /// Names in a damaged file can hold anything: what ends a line or moves the cursor is shown as '?'.
@@ -38,4 +38,4 @@ const char* toString(RowFault fault) {
   return "";
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -9,7 +9,7 @@
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/logs/number_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -582,4 +582,4 @@ const ImportCounts& LogImporter::run(const Sink& sink, const Progress& progress)
   return counts_;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 
 #include "ring_gyro/logs/number_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr Quantity kMirrored[] = {Quantity::kTheta,
@@ -102,4 +102,4 @@ bool LogRows::next(LogRow& row) {
   return true;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

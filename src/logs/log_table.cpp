@@ -6,7 +6,7 @@
 #include "ring_gyro/logs/number_text.h"
 #include "ring_gyro/logs/quantity.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr Quantity kColumns[] = {Quantity::kTime,
@@ -71,4 +71,4 @@ void appendLogRow(const OrbitalElements& elements, const ControlGains& gains, st
   text += '\n';
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -13,7 +13,7 @@
 #include "ring_gyro/logs/log_error.h"
 #include "ring_gyro/logs/mat_structure.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Count = std::uint64_t;
@@ -347,4 +347,4 @@ void requireWholeMat5(const std::string& path) {
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -9,7 +9,7 @@
 #include "ring_gyro/logs/mat_structure.h"
 #include "ring_gyro/logs/number_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kMostDeflated = 1032.0;  // bytes that one byte of deflate can stand for
@@ -162,4 +162,4 @@ void requireWholeMat73(const std::string& path) {
                  state.fault.empty() ? "cannot be read" : state.fault, kMend);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

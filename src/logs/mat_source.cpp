@@ -13,7 +13,7 @@
 #include "ring_gyro/logs/log_error.h"
 #include "ring_gyro/logs/mat_structure.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::size_t kMostColumns = 100000;
@@ -212,4 +212,4 @@ bool MatSource::next(std::vector<double>& values) {
   return true;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -12,7 +12,7 @@
 #include <locale.h>
 #endif
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::size_t kLongest = 400;  // characters of a number
@@ -80,4 +80,4 @@ void appendNumber(std::string& text, double value) {
   text.append(buffer.data(), static_cast<std::size_t>(end - buffer.data()));
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 #include "ring_gyro/logs/mat_source.h"
 #include "ring_gyro/logs/record_source.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 bool isMatlabFile(const std::string& path) {
@@ -25,4 +25,4 @@ std::unique_ptr<RecordSource> openLog(const std::string& path, const CsvDialect&
   return std::make_unique<CsvSource>(path, dialect);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 // What a quantity can be at all. Doubles resolve a stamp of 2^32 s to 1e-6 s and an angle of 1e8
@@ -116,4 +116,4 @@ std::optional<Quantity> guessQuantity(std::string_view word) {
   return std::nullopt;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

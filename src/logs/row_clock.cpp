@@ -6,7 +6,7 @@
 
 #include "ring_gyro/logs/number_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kFollow = 0.02;  // of a deviation from the grid, for clocks that drift
@@ -85,4 +85,4 @@ std::int64_t RowClock::step(double time) {
   return static_cast<std::int64_t>(whole);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -10,7 +10,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/logs/number_text.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 struct UnitInfo {
@@ -164,4 +164,4 @@ double quantityFromText(const std::string& name, const std::string& text, Dimens
   return *number * unit->scale;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

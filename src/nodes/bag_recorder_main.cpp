@@ -2,5 +2,5 @@
 #include "ring_gyro/nodes/bag_recorder_node.h"
 
 int main(int argc, char** argv) {
-  return ring_gyro::runNode<ring_gyro::BagRecorderNode>(argc, argv, "bag_recorder");
+  return ring_gyro::nodes::runNode<ring_gyro::nodes::BagRecorderNode>(argc, argv, "bag_recorder");
 }

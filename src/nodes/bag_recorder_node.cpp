@@ -10,7 +10,7 @@
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
 constexpr std::uint32_t kUnlimited = 0;
@@ -20,16 +20,17 @@ constexpr std::uint32_t kUnlimited = 0;
 constexpr std::size_t kMostWaiting = 256u << 20;
 constexpr std::int64_t kLongestWait = 1'000'000'000;  // in real time, where nothing piles up [ns]
 
-StampMerge::Limits limits(const NodeParameters& parameters) {
-  StampMerge::Limits result;
+bridge::StampMerge::Limits limits(const cvg::NodeParameters& parameters) {
+  bridge::StampMerge::Limits result;
   result.bytes = kMostWaiting;
   if (!parameters.lockstep) result.span_ns = kLongestWait;
   return result;
 }
 
-const std::string& fileName(const NodeParameters& parameters) {
+const std::string& fileName(const cvg::NodeParameters& parameters) {
   if (parameters.bag.empty()) {
-    throw ConfigurationError({"node/bag: missing; the recorder must be told which file to write"});
+    throw cvg::ConfigurationError(
+        {"node/bag: missing; the recorder must be told which file to write"});
   }
   return parameters.bag;
 }
@@ -37,7 +38,7 @@ const std::string& fileName(const NodeParameters& parameters) {
 }  // namespace
 
 BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*private_handle*/,
-                                 const NodeConfiguration& configuration, NodeHost host)
+                                 const bridge::NodeConfiguration& configuration, NodeHost host)
     : handle_(std::move(handle)),
       host_(std::move(host)),
       period_blocks_(configuration.loop.periodBlocks()),
@@ -50,26 +51,27 @@ BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*priva
   // No estimate, decision or command of a calibration covers the blocks after the last whole
   // period.
   const auto after = [this](std::uint64_t block) { return block + period_blocks_ - 1; };
-  record<ring_gyro_msgs::OrbitalElements>(topics::kOrbitalElements, sequence);
-  record<ring_gyro_msgs::ControlGains>(topics::kControlGains, sequence);
-  record<ring_gyro_msgs::ParameterEstimate>(
-      topics::kParameterEstimate,
+  record<ring_gyro::OrbitalElements>(bridge::topics::kOrbitalElements, sequence);
+  record<ring_gyro::ControlGains>(bridge::topics::kControlGains, sequence);
+  record<ring_gyro::ParameterEstimate>(
+      bridge::topics::kParameterEstimate,
       [after](const auto& message) { return after(message.last_sequence); }, Sent::kEachPeriod);
-  record<ring_gyro_msgs::CompensationGains>(
-      topics::kCompensationGains,
+  record<ring_gyro::CompensationGains>(
+      bridge::topics::kCompensationGains,
       [after](const auto& message) { return after(message.data_sequence); }, Sent::kEachPeriod);
-  record<ring_gyro_msgs::CalibrationCommand>(
-      topics::kCalibrationCommand,
+  record<ring_gyro::CalibrationCommand>(
+      bridge::topics::kCalibrationCommand,
       [after](const auto& message) { return after(message.data_sequence); }, Sent::kEachPeriod);
   if (configuration.node.record_raw) {
-    record<ring_gyro_msgs::DisplacementBlock>(topics::kDisplacement, sequence);
-    record<ring_gyro_msgs::DriveCommand>(
-        topics::kDriveCommand, [](const auto& message) { return message.answers_sequence; });
+    record<ring_gyro::DisplacementBlock>(bridge::topics::kDisplacement, sequence);
+    record<ring_gyro::DriveCommand>(bridge::topics::kDriveCommand,
+                                    [](const auto& message) { return message.answers_sequence; });
   }
-  record<ring_gyro_msgs::EndOfRun>(
-      topics::kEndOfRun, [](const auto& message) { return message.last_sequence; }, Sent::kOnce);
+  record<ring_gyro::EndOfRun>(
+      bridge::topics::kEndOfRun, [](const auto& message) { return message.last_sequence; },
+      Sent::kOnce);
   // Last: the plant waits for a listener to the truth, and by then there is one to all the rest.
-  record<ring_gyro_msgs::PlantTruth>(topics::kPlantTruth, sequence);
+  record<ring_gyro::PlantTruth>(bridge::topics::kPlantTruth, sequence);
 }
 
 BagRecorderNode::~BagRecorderNode() {
@@ -105,8 +107,8 @@ void BagRecorderNode::record(const char* name, BlockOf blockOf, Sent sent) {
           return;
         }
         // The end of a run counts when it is of the run that is being recorded.
-        if constexpr (std::is_same_v<Message, ring_gyro_msgs::OrbitalElements> ||
-                      std::is_same_v<Message, ring_gyro_msgs::PlantTruth>) {
+        if constexpr (std::is_same_v<Message, ring_gyro::OrbitalElements> ||
+                      std::is_same_v<Message, ring_gyro::PlantTruth>) {
           departure_.inSession(message->session);
         }
         topic.complete_up_to = blockOf(*message);
@@ -143,4 +145,4 @@ void BagRecorderNode::finish() {
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -2,5 +2,5 @@
 #include "ring_gyro/nodes/calibration_node.h"
 
 int main(int argc, char** argv) {
-  return ring_gyro::runNode<ring_gyro::CalibrationNode>(argc, argv, "calibration");
+  return ring_gyro::nodes::runNode<ring_gyro::nodes::CalibrationNode>(argc, argv, "calibration");
 }

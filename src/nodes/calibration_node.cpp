@@ -14,17 +14,17 @@
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
-const NodeConfiguration& checked(const NodeConfiguration& configuration) {
+const bridge::NodeConfiguration& checked(const bridge::NodeConfiguration& configuration) {
   std::vector<std::string> faults;
   if (configuration.node.calibration_file.empty()) {
     faults.emplace_back(
         "node/calibration_file: missing; the calibration must be told which file to write");
   }
   if (configuration.loop.run.duration != 0.0) {
-    faults.push_back("run/duration = " + textFromNumber(configuration.loop.run.duration) +
+    faults.push_back("run/duration = " + cvg::textFromNumber(configuration.loop.run.duration) +
                      ": a calibration run lasts until it is complete; allowed: 0 [s]");
   }
   if (!configuration.loop.control.calibration_run) {
@@ -32,14 +32,14 @@ const NodeConfiguration& checked(const NodeConfiguration& configuration) {
         "control/calibration_run = false: the loops would not do what the calibration asks; "
         "allowed: true");
   }
-  if (!faults.empty()) throw ConfigurationError(std::move(faults));
+  if (!faults.empty()) throw cvg::ConfigurationError(std::move(faults));
   return configuration;
 }
 
 }  // namespace
 
 CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                                 const NodeConfiguration& configuration, NodeHost host)
+                                 const bridge::NodeConfiguration& configuration, NodeHost host)
     : handle_(std::move(handle)),
       parameters_(checked(configuration).node),
       device_(configuration.loop.device),
@@ -48,13 +48,13 @@ CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private
                  configuration.loop.converter,
                  static_cast<std::int64_t>(configuration.loop.periodBlocks()),
                  configuration.loop.calibration),
-      merge_([this](const OrbitalElements& elements, const ControlGains& gains) {
+      merge_([this](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
         process(elements, gains);
       }),
       block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
       file_(parameters_.calibration_file),
-      output_(Output::advertise<ring_gyro_msgs::CalibrationCommand>(
-          handle_, topics::kCalibrationCommand, true)),
+      output_(Output::advertise<ring_gyro::CalibrationCommand>(
+          handle_, bridge::topics::kCalibrationCommand, true)),
       departure_(handle_, parameters_, {[this] { finish(); }, host_.fail}, {output_},
                  [this] { leave(); }),
       diagnostics_(handle_, private_handle, private_handle.getNamespace(),
@@ -66,39 +66,40 @@ CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private
 
 void CalibrationNode::start() {
   const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
-  elements_subscriber_ = handle_.subscribe<ring_gyro_msgs::OrbitalElements>(
-      topics::kOrbitalElements, kInputQueue,
-      [this](const ring_gyro_msgs::OrbitalElements::ConstPtr& message) {
-        add(topics::kOrbitalElements, *message, elements_);
+  elements_subscriber_ = handle_.subscribe<ring_gyro::OrbitalElements>(
+      bridge::topics::kOrbitalElements, kInputQueue,
+      [this](const ring_gyro::OrbitalElements::ConstPtr& message) {
+        add(bridge::topics::kOrbitalElements, *message, elements_);
       },
       ros::VoidConstPtr(), no_delay);
-  gains_subscriber_ = handle_.subscribe<ring_gyro_msgs::ControlGains>(
-      topics::kControlGains, kInputQueue,
-      [this](const ring_gyro_msgs::ControlGains::ConstPtr& message) {
-        add(topics::kControlGains, *message, gains_);
+  gains_subscriber_ = handle_.subscribe<ring_gyro::ControlGains>(
+      bridge::topics::kControlGains, kInputQueue,
+      [this](const ring_gyro::ControlGains::ConstPtr& message) {
+        add(bridge::topics::kControlGains, *message, gains_);
       },
       ros::VoidConstPtr(), no_delay);
 }
 
 template <typename Message, typename Signal>
 void CalibrationNode::add(const char* topic, const Message& message, Signal& signal) {
-  if (const MessageFault fault = readChecked(message, signal)) {
+  if (const bridge::MessageFault fault = bridge::readChecked(message, signal)) {
     refusals_.add(topic, message.sequence, fault);
   }
   departure_.inSession(last_ ? last_->session : message.session);
   merge_.add(signal);
 }
 
-void CalibrationNode::process(const OrbitalElements& elements, const ControlGains& gains) {
+void CalibrationNode::process(const cvg::OrbitalElements& elements,
+                              const cvg::ControlGains& gains) {
   if (last_ && last_->session != elements.stamp.session) {
     host_.fail("the plant has been started again during the calibration run");
     return;
   }
   last_ = elements.stamp;
-  const BlockUse use = useOf(elements, gains, block_duration_ns_);
-  if (use == BlockUse::kUsable) ++usable_;
+  const cvg::BlockUse use = cvg::useOf(elements, gains, block_duration_ns_);
+  if (use == cvg::BlockUse::kUsable) ++usable_;
   unusable_.add(use);
-  if (const std::optional<CalibrationCommand> command = procedure_.process(elements, gains)) {
+  if (const std::optional<cvg::CalibrationCommand> command = procedure_.process(elements, gains)) {
     if (!command_ || command->leg != command_->leg) {
       ROS_INFO("%s, %.0f s left", command->leg.c_str(), command->time_left);
     }
@@ -111,16 +112,16 @@ void CalibrationNode::process(const OrbitalElements& elements, const ControlGain
   departure_.processed(elements.stamp.sequence);
 }
 
-void CalibrationNode::publish(const CalibrationCommand& command, const BlockStamp& data) {
-  const auto message = boost::make_shared<ring_gyro_msgs::CalibrationCommand>();
-  toMessage(command, data, *message);
+void CalibrationNode::publish(const cvg::CalibrationCommand& command, const cvg::BlockStamp& data) {
+  const auto message = boost::make_shared<ring_gyro::CalibrationCommand>();
+  bridge::toMessage(command, data, *message);
   output_.publish(message);
 }
 
 /// What cannot be written or read now is not worth the rest of the run.
 void CalibrationNode::keep() {
   try {
-    file_.keep(calibrationYaml(procedure_.result(), device_));
+    file_.keep(cvg::calibrationYaml(procedure_.result(), device_));
   } catch (const std::exception& error) {
     fail(error.what());
     finish();
@@ -129,10 +130,10 @@ void CalibrationNode::keep() {
 
 void CalibrationNode::conclude() {
   if (written_ || !failure_.empty()) return;
-  const CalibrationResult& result = procedure_.result();
-  ROS_INFO("calibration\n%s", calibrationText(result).c_str());
+  const cvg::CalibrationResult& result = procedure_.result();
+  ROS_INFO("calibration\n%s", cvg::calibrationText(result).c_str());
   try {
-    file_.finish(calibrationYaml(result, device_));
+    file_.finish(cvg::calibrationYaml(result, device_));
   } catch (const std::exception& error) {
     fail(error.what());
     return;
@@ -166,7 +167,7 @@ void CalibrationNode::finish() {
 
 void CalibrationNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const PairMerge::Counts& counts = merge_.counts();
+  const bridge::PairMerge::Counts& counts = merge_.counts();
   const std::uint64_t lost = merge_.elementsCounts().lost + merge_.gainsCounts().lost +
                              counts.elements_alone + counts.gains_alone;
   const std::string none_used = use_.noneSinceLast(usable_, unusable_);
@@ -194,4 +195,4 @@ void CalibrationNode::report(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("rate table [rad/s]", command_->settings.table_rate);
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

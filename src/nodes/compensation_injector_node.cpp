@@ -10,18 +10,18 @@
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 CompensationInjectorNode::CompensationInjectorNode(ros::NodeHandle handle,
                                                    ros::NodeHandle private_handle,
-                                                   const NodeConfiguration& configuration,
+                                                   const bridge::NodeConfiguration& configuration,
                                                    NodeHost host)
     : handle_(std::move(handle)),
       period_blocks_(configuration.loop.periodBlocks()),
       block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
       injector_(configuration.loop.compensation, static_cast<std::int64_t>(period_blocks_)),
-      gains_(Output::advertise<ring_gyro_msgs::CompensationGains>(
-          handle_, topics::kCompensationGains, true)),
+      gains_(Output::advertise<ring_gyro::CompensationGains>(
+          handle_, bridge::topics::kCompensationGains, true)),
       enable_service_(
           private_handle.advertiseService("enable", &CompensationInjectorNode::enable, this)),
       hold_service_(private_handle.advertiseService("hold", &CompensationInjectorNode::hold, this)),
@@ -36,36 +36,36 @@ CompensationInjectorNode::CompensationInjectorNode(ros::NodeHandle handle,
 }
 
 void CompensationInjectorNode::start() {
-  estimate_subscriber_ = handle_.subscribe<ring_gyro_msgs::ParameterEstimate>(
-      topics::kParameterEstimate, kInputQueue,
-      [this](const ring_gyro_msgs::ParameterEstimate::ConstPtr& message) { onEstimate(*message); },
+  estimate_subscriber_ = handle_.subscribe<ring_gyro::ParameterEstimate>(
+      bridge::topics::kParameterEstimate, kInputQueue,
+      [this](const ring_gyro::ParameterEstimate::ConstPtr& message) { onEstimate(*message); },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
 }
 
-void CompensationInjectorNode::onEstimate(const ring_gyro_msgs::ParameterEstimate& message) {
-  fromMessage(message, estimate_);
-  const StampOrder order = guard_.check(estimate_.stamp);
-  if (!isUsable(order)) {
-    refusals_.add(topics::kParameterEstimate,
-                  order == StampOrder::kZero        ? "with a stamp of zero"
-                  : order == StampOrder::kDuplicate ? "that came twice"
-                                                    : "of a session that was left",
+void CompensationInjectorNode::onEstimate(const ring_gyro::ParameterEstimate& message) {
+  bridge::fromMessage(message, estimate_);
+  const bridge::StampOrder order = guard_.check(estimate_.stamp);
+  if (!bridge::isUsable(order)) {
+    refusals_.add(bridge::topics::kParameterEstimate,
+                  order == bridge::StampOrder::kZero        ? "with a stamp of zero"
+                  : order == bridge::StampOrder::kDuplicate ? "that came twice"
+                                                            : "of a session that was left",
                   "block " + std::to_string(message.last_sequence) + " of session " +
                       std::to_string(message.session) + "; is there one identifier only?");
     return;
   }
   departure_.inSession(message.session);
-  if (const MessageFault fault = faultOf(message)) {
-    refusals_.add(topics::kParameterEstimate, message.last_sequence, fault);
-    const BlockStamp stamp = estimate_.stamp;
-    estimate_ = ParameterEstimate();
+  if (const bridge::MessageFault fault = bridge::faultOf(message)) {
+    refusals_.add(bridge::topics::kParameterEstimate, message.last_sequence, fault);
+    const cvg::BlockStamp stamp = estimate_.stamp;
+    estimate_ = cvg::ParameterEstimate();
     estimate_.stamp = stamp;
     estimate_.stamp.duration_ns = block_duration_ns_;
   }
   decision_ = injector_.decide(estimate_);
   ++decisions_;
-  const auto gains = boost::make_shared<ring_gyro_msgs::CompensationGains>();
-  toMessage(*decision_, message.header.stamp, *gains);
+  const auto gains = boost::make_shared<ring_gyro::CompensationGains>();
+  bridge::toMessage(*decision_, message.header.stamp, *gains);
   gains_.publish(gains);
   // No estimate covers the blocks after the last whole period.
   departure_.processed(estimate_.stamp.sequence + period_blocks_ - 1);
@@ -104,8 +104,8 @@ void CompensationInjectorNode::leave() {
     return;
   }
   ROS_INFO("last of %lu decisions: %s, cancels gamma (%.6f, %.6f)",
-           static_cast<unsigned long>(decisions_), toString(decision_->state), decision_->gamma1,
-           decision_->gamma2);
+           static_cast<unsigned long>(decisions_), cvg::toString(decision_->state),
+           decision_->gamma1, decision_->gamma2);
 }
 
 void CompensationInjectorNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
@@ -115,11 +115,11 @@ void CompensationInjectorNode::report(diagnostic_updater::DiagnosticStatusWrappe
     refusals_.addTo(status);
     return;
   }
-  const bool limited = decision_->state == InjectorState::kLimited;
+  const bool limited = decision_->state == cvg::InjectorState::kLimited;
   const bool refused = refusals_.total() > 0;
-  status.summary(
-      limited || refused ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
-      std::string(toString(decision_->state)) + (refused ? ", estimates have been refused" : ""));
+  status.summary(limited || refused ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
+                 std::string(cvg::toString(decision_->state)) +
+                     (refused ? ", estimates have been refused" : ""));
   status.add("decisions", decisions_);
   status.add("effective sequence", decision_->effective_sequence);
   status.add("gamma 1 cancelled", decision_->gamma1);
@@ -128,4 +128,4 @@ void CompensationInjectorNode::report(diagnostic_updater::DiagnosticStatusWrappe
   refusals_.addTo(status);
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -2,5 +2,5 @@
 #include "ring_gyro/nodes/control_loops_node.h"
 
 int main(int argc, char** argv) {
-  return ring_gyro::runNode<ring_gyro::ControlLoopsNode>(argc, argv, "control_loops");
+  return ring_gyro::nodes::runNode<ring_gyro::nodes::ControlLoopsNode>(argc, argv, "control_loops");
 }

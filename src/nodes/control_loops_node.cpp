@@ -11,7 +11,7 @@
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
 constexpr double kTick = 0.1;  // of the watch, wall time [s]
@@ -27,7 +27,7 @@ void addDecisions(diagnostic_updater::DiagnosticStatusWrapper& status, const std
 }  // namespace
 
 ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                                   const NodeConfiguration& configuration, NodeHost host)
+                                   const bridge::NodeConfiguration& configuration, NodeHost host)
     : handle_(std::move(handle)),
       parameters_(configuration.node),
       host_(std::move(host)),
@@ -42,22 +42,22 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
       block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
       burst_blocks_(parameters_.lockstep ? static_cast<std::uint64_t>(parameters_.burst_blocks)
                                          : 1),
-      command_(Output::advertise<ring_gyro_msgs::DriveCommand>(handle_, topics::kDriveCommand)),
+      command_(Output::advertise<ring_gyro::DriveCommand>(handle_, bridge::topics::kDriveCommand)),
       elements_(
-          Output::advertise<ring_gyro_msgs::OrbitalElements>(handle_, topics::kOrbitalElements)),
-      gains_(Output::advertise<ring_gyro_msgs::ControlGains>(handle_, topics::kControlGains)),
-      imu_(Output::advertise<sensor_msgs::Imu>(handle_, topics::kImu)),
+          Output::advertise<ring_gyro::OrbitalElements>(handle_, bridge::topics::kOrbitalElements)),
+      gains_(Output::advertise<ring_gyro::ControlGains>(handle_, bridge::topics::kControlGains)),
+      imu_(Output::advertise<sensor_msgs::Imu>(handle_, bridge::topics::kImu)),
       reader_wait_(handle_, parameters_, {elements_, gains_, imu_}, [this] { processWaiting(); }),
       departure_(handle_, parameters_, host_, {elements_, gains_}, [this] { leave(); }),
       diagnostics_(handle_, private_handle, private_handle.getNamespace(),
                    [this](auto& status) { report(status); }) {
   if (compensation_) {
-    decision_subscriber_ = subscribeDecisions<ring_gyro_msgs::CompensationGains>(
-        topics::kCompensationGains, compensation_decisions_);
+    decision_subscriber_ = subscribeDecisions<ring_gyro::CompensationGains>(
+        bridge::topics::kCompensationGains, compensation_decisions_);
   }
   if (calibration_run_) {
-    decision_subscriber_ = subscribeDecisions<ring_gyro_msgs::CalibrationCommand>(
-        topics::kCalibrationCommand, calibration_commands_);
+    decision_subscriber_ = subscribeDecisions<ring_gyro::CalibrationCommand>(
+        bridge::topics::kCalibrationCommand, calibration_commands_);
   }
   const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
   gate_ = std::make_unique<StartGate>(
@@ -73,12 +73,12 @@ ros::Subscriber ControlLoopsNode::subscribeDecisions(const char* topic,
   return handle_.subscribe<Message>(
       topic, kInputQueue,
       [this, topic, &decisions](const boost::shared_ptr<const Message>& message) {
-        if (const MessageFault fault = faultOf(*message)) {
+        if (const bridge::MessageFault fault = bridge::faultOf(*message)) {
           refusals_.add(topic, message->data_sequence, fault);
           return;
         }
         Decision decision;
-        fromMessage(*message, decision);
+        bridge::fromMessage(*message, decision);
         decisions.add(std::move(decision));
         processWaiting();
       },
@@ -87,7 +87,7 @@ ros::Subscriber ControlLoopsNode::subscribeDecisions(const char* topic,
 
 void ControlLoopsNode::start() {
   displacement_subscriber_ = handle_.subscribe<BlockMessage>(
-      topics::kDisplacement, kInputQueue,
+      bridge::topics::kDisplacement, kInputQueue,
       [this](const BlockMessage::ConstPtr& message) { onDisplacement(message); },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   watch_timer_ = handle_.createWallTimer(ros::WallDuration(kTick),
@@ -99,7 +99,7 @@ void ControlLoopsNode::onDisplacement(const BlockMessage::ConstPtr& message) {
   if (!isNew(*message)) return;
   departure_.inSession(message->session);
   if (waiting_ != nullptr) {
-    refusals_.add(topics::kDisplacement, "overtaken by a later block",
+    refusals_.add(bridge::topics::kDisplacement, "overtaken by a later block",
                   "block " + std::to_string(waiting_->sequence) + ": block " +
                       std::to_string(message->sequence) + " came while it waited");
     waiting_.reset();
@@ -114,21 +114,21 @@ void ControlLoopsNode::onDisplacement(const BlockMessage::ConstPtr& message) {
 
 /// Whether the block is to be answered at all, by its stamp.
 bool ControlLoopsNode::isNew(const BlockMessage& message) {
-  const BlockStamp stamp{message.session, message.sequence,
-                         nanosecondsFromTime(message.header.stamp),
-                         static_cast<std::int64_t>(message.duration)};
+  const cvg::BlockStamp stamp{message.session, message.sequence,
+                              bridge::nanosecondsFromTime(message.header.stamp),
+                              static_cast<std::int64_t>(message.duration)};
   const auto refuse = [&](const char* reason, const std::string& particulars) {
-    refusals_.add(topics::kDisplacement, reason,
+    refusals_.add(bridge::topics::kDisplacement, reason,
                   "block " + std::to_string(message.sequence) + " of session " +
                       std::to_string(message.session) + ": " + particulars);
     return false;
   };
-  const StampOrder order = guard_.order(stamp);
-  if (order == StampOrder::kStepBack && parameters_.lockstep) {
+  const bridge::StampOrder order = guard_.order(stamp);
+  if (order == bridge::StampOrder::kStepBack && parameters_.lockstep) {
     // The plant goes on with the answer that it has.
     return refuse("of a block that was answered", "a later one has come before");
   }
-  if (order == StampOrder::kNewSession && message.sequence > 0 &&
+  if (order == bridge::StampOrder::kNewSession && message.sequence > 0 &&
       message.session != unconfirmed_session_) {
     unconfirmed_session_ = message.session;
     return refuse("of another session",
@@ -136,14 +136,14 @@ bool ControlLoopsNode::isNew(const BlockMessage& message) {
                   "another of its session");
   }
   guard_.check(stamp);
-  if (order == StampOrder::kZero) {
+  if (order == bridge::StampOrder::kZero) {
     return refuse("with a stamp of zero", "have its publisher send the end of the block");
   }
-  if (order == StampOrder::kLeftSession) {
+  if (order == bridge::StampOrder::kLeftSession) {
     return refuse("of a session that was left", "stop the plant of the other run");
   }
-  if (isUsable(order)) unconfirmed_session_.reset();
-  return isUsable(order);
+  if (bridge::isUsable(order)) unconfirmed_session_.reset();
+  return bridge::isUsable(order);
 }
 
 bool ControlLoopsNode::mustWait(const BlockMessage& message) {
@@ -167,10 +167,11 @@ void ControlLoopsNode::processWaiting() {
 void ControlLoopsNode::applyDecisions() {
   const std::uint32_t session = block_.stamp.session;
   const std::uint64_t acts_in = block_.stamp.sequence + 1;
-  compensation_decisions_.applyDue(session, acts_in, [this](const CompensationDecision& decision) {
-    loops_.setCompensation(decision.gains);
-  });
-  calibration_commands_.applyDue(session, acts_in, [this](const CalibrationCommand& command) {
+  compensation_decisions_.applyDue(session, acts_in,
+                                   [this](const cvg::CompensationDecision& decision) {
+                                     loops_.setCompensation(decision.gains);
+                                   });
+  calibration_commands_.applyDue(session, acts_in, [this](const cvg::CalibrationCommand& command) {
     loops_.setSettings(command.settings);
   });
 }
@@ -178,7 +179,7 @@ void ControlLoopsNode::applyDecisions() {
 void ControlLoopsNode::process(const BlockMessage& message) {
   read(message);
   applyDecisions();
-  const LoopOutput& output = loops_.process(block_);
+  const cvg::LoopOutput& output = loops_.process(block_);
   if (!output.command.envelope.allFinite()) {
     host_.fail("the drive command that answers block " + std::to_string(block_.stamp.sequence) +
                " is not finite");
@@ -195,10 +196,10 @@ void ControlLoopsNode::process(const BlockMessage& message) {
 /// Numbers that cannot be are left out: without samples and reference the loops coast, and go on
 /// from their own last command.
 void ControlLoopsNode::read(const BlockMessage& message) {
-  fromMessage(message, block_);
-  const MessageFault fault = faultOf(message);
+  bridge::fromMessage(message, block_);
+  const bridge::MessageFault fault = bridge::faultOf(message);
   if (!fault) return;
-  refusals_.add(topics::kDisplacement, message.sequence, fault);
+  refusals_.add(bridge::topics::kDisplacement, message.sequence, fault);
   block_.x.clear();
   block_.y.clear();
   block_.saturated_samples = 0;
@@ -207,26 +208,26 @@ void ControlLoopsNode::read(const BlockMessage& message) {
   block_.reference_phase = block_.reference_frequency = std::numeric_limits<double>::quiet_NaN();
 }
 
-void ControlLoopsNode::publish(const LoopOutput& output) {
+void ControlLoopsNode::publish(const cvg::LoopOutput& output) {
   // The drive first: the plant can go on while the rest is being sent.
   const auto command = command_messages_.take();
-  toMessage(output.command, block_.stamp, *command);
+  bridge::toMessage(output.command, block_.stamp, *command);
   command_.publish(command);
   if (elements_.subscribers() > 0) {
     const auto elements = elements_messages_.take();
-    toMessage(output.elements, *elements);
+    bridge::toMessage(output.elements, *elements);
     elements_burst_.push_back(elements);
   }
   if (gains_.subscribers() > 0) {
     const auto gains = gains_messages_.take();
-    toMessage(output.gains, *gains);
+    bridge::toMessage(output.gains, *gains);
     gains_burst_.push_back(gains);
   }
   const std::uint64_t blocks = block_.stamp.sequence + 1;
   if (blocks % burst_blocks_ == 0 || blocks % period_blocks_ == 0) sendBurst();
   if (imu_.subscribers() > 0) {
     const auto imu = imu_messages_.take();
-    toMessage(output.elements, angular_gain_, parameters_.imu_frame, *imu);
+    bridge::toMessage(output.elements, angular_gain_, parameters_.imu_frame, *imu);
     imu_.publish(imu);
   }
 }
@@ -263,13 +264,13 @@ void ControlLoopsNode::leave() {
   watch_timer_.stop();
   reader_wait_.stop();
   ROS_INFO("last block %lu: a %.4f V, pattern at %.4f deg/s, %s",
-           static_cast<unsigned long>(block_.stamp.sequence), amplitude_, toDegrees(theta_rate_),
-           status_.locked() ? "locked" : "not locked");
+           static_cast<unsigned long>(block_.stamp.sequence), amplitude_,
+           cvg::toDegrees(theta_rate_), status_.locked() ? "locked" : "not locked");
 }
 
 void ControlLoopsNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
   using diagnostic_msgs::DiagnosticStatus;
-  const TimeGuard::Counts& counts = guard_.counts();
+  const bridge::TimeGuard::Counts& counts = guard_.counts();
   if (counts.accepted == 0) {
     status.summary(DiagnosticStatus::OK, "waiting for displacement blocks");
   } else if (!status_.locked()) {
@@ -304,4 +305,4 @@ void ControlLoopsNode::report(diagnostic_updater::DiagnosticStatusWrapper& statu
     addDecisions(status, "calibration commands", calibration_commands_.counts());
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

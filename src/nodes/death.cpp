@@ -8,7 +8,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <cstdint>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 bool hasDied(const std::string& node) {
   XmlRpc::XmlRpcValue request, response, address;
@@ -22,4 +22,4 @@ bool hasDied(const std::string& node) {
   return connection.error() == boost::asio::error::connection_refused;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -8,7 +8,7 @@
 
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
 constexpr double kTick = 0.05;  // wall time [s]
@@ -17,7 +17,7 @@ constexpr int kFlushTicks = 4;  // for what the sockets still hold
 
 }  // namespace
 
-Departure::Departure(ros::NodeHandle& handle, const NodeParameters& parameters, NodeHost host,
+Departure::Departure(ros::NodeHandle& handle, const cvg::NodeParameters& parameters, NodeHost host,
                      std::vector<Output> outputs, std::function<void()> leave)
     : allowed_subscribers_(static_cast<std::size_t>(parameters.recorders)),
       // Less than the plant waits, so that the plant ends last.
@@ -25,14 +25,14 @@ Departure::Departure(ros::NodeHandle& handle, const NodeParameters& parameters, 
       host_(std::move(host)),
       outputs_(std::move(outputs)),
       leave_(std::move(leave)) {
-  subscriber_ = handle.subscribe<ring_gyro_msgs::EndOfRun>(
-      topics::kEndOfRun, 1,
-      [this](const ring_gyro_msgs::EndOfRun::ConstPtr& message) { onEndOfRun(*message); });
+  subscriber_ = handle.subscribe<ring_gyro::EndOfRun>(
+      bridge::topics::kEndOfRun, 1,
+      [this](const ring_gyro::EndOfRun::ConstPtr& message) { onEndOfRun(*message); });
   timer_ = handle.createWallTimer(
       ros::WallDuration(kTick), [this](const ros::WallTimerEvent&) { tick(); }, false, false);
 }
 
-void Departure::onEndOfRun(const ring_gyro_msgs::EndOfRun& message) {
+void Departure::onEndOfRun(const ring_gyro::EndOfRun& message) {
   if (leaving_) return;
   if (!in_session_) {
     early_ = message;
@@ -57,7 +57,7 @@ void Departure::enterSession(std::uint32_t session) {
   }
   announced_ = false;
   if (!early_) return;
-  const ring_gyro_msgs::EndOfRun early = *early_;
+  const ring_gyro::EndOfRun early = *early_;
   early_.reset();
   if (early.session == session) {
     announce(early);
@@ -66,7 +66,7 @@ void Departure::enterSession(std::uint32_t session) {
   }
 }
 
-void Departure::announce(const ring_gyro_msgs::EndOfRun& message) {
+void Departure::announce(const ring_gyro::EndOfRun& message) {
   announced_ = true;
   last_sequence_ = message.last_sequence;
   idle_ticks_ = 0;
@@ -74,12 +74,12 @@ void Departure::announce(const ring_gyro_msgs::EndOfRun& message) {
   leaveIfDone();
 }
 
-void Departure::leaveOut(const ring_gyro_msgs::EndOfRun& message) {
+void Departure::leaveOut(const ring_gyro::EndOfRun& message) {
   ++foreign_;
   ROS_WARN(
       "refused %s: session %u has ended, the data that come are of session %u; stop the "
       "plant of the other run",
-      topics::kEndOfRun, message.session, session_);
+      bridge::topics::kEndOfRun, message.session, session_);
 }
 
 void Departure::leaveIfDone() {
@@ -123,4 +123,4 @@ void Departure::tick() {
   host_.finish();
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

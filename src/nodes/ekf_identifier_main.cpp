@@ -2,5 +2,6 @@
 #include "ring_gyro/nodes/ekf_identifier_node.h"
 
 int main(int argc, char** argv) {
-  return ring_gyro::runNode<ring_gyro::EkfIdentifierNode>(argc, argv, "ekf_identifier");
+  return ring_gyro::nodes::runNode<ring_gyro::nodes::EkfIdentifierNode>(argc, argv,
+                                                                        "ekf_identifier");
 }

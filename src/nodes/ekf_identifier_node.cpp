@@ -11,21 +11,20 @@
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                                     const NodeConfiguration& configuration, NodeHost host)
+                                     const bridge::NodeConfiguration& configuration, NodeHost host)
     : handle_(std::move(handle)),
       host_(std::move(host)),
       configuration_(configuration.loop),
       parameters_(configuration.node),
       report_file_(parameters_.report),
       identifier_(configuration.loop,
-                  [this](const ParameterEstimate& estimate, const StateMatrix& covariance) {
-                    take(estimate, covariance);
-                  }),
-      estimate_output_(Output::advertise<ring_gyro_msgs::ParameterEstimate>(
-          handle_, topics::kParameterEstimate, true)),
+                  [this](const cvg::ParameterEstimate& estimate,
+                         const cvg::StateMatrix& covariance) { take(estimate, covariance); }),
+      estimate_output_(Output::advertise<ring_gyro::ParameterEstimate>(
+          handle_, bridge::topics::kParameterEstimate, true)),
       departure_(handle_, configuration.node, host_, {estimate_output_}, [this] { leave(); }),
       diagnostics_(handle_, private_handle, private_handle.getNamespace(),
                    [this](auto& status) { report(status); }) {
@@ -44,37 +43,38 @@ EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle pri
 
 void EkfIdentifierNode::start() {
   const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
-  elements_subscriber_ = handle_.subscribe<ring_gyro_msgs::OrbitalElements>(
-      topics::kOrbitalElements, kInputQueue,
-      [this](const ring_gyro_msgs::OrbitalElements::ConstPtr& message) {
-        add(topics::kOrbitalElements, *message);
+  elements_subscriber_ = handle_.subscribe<ring_gyro::OrbitalElements>(
+      bridge::topics::kOrbitalElements, kInputQueue,
+      [this](const ring_gyro::OrbitalElements::ConstPtr& message) {
+        add(bridge::topics::kOrbitalElements, *message);
       },
       ros::VoidConstPtr(), no_delay);
-  gains_subscriber_ = handle_.subscribe<ring_gyro_msgs::ControlGains>(
-      topics::kControlGains, kInputQueue,
-      [this](const ring_gyro_msgs::ControlGains::ConstPtr& message) {
-        add(topics::kControlGains, *message);
+  gains_subscriber_ = handle_.subscribe<ring_gyro::ControlGains>(
+      bridge::topics::kControlGains, kInputQueue,
+      [this](const ring_gyro::ControlGains::ConstPtr& message) {
+        add(bridge::topics::kControlGains, *message);
       },
       ros::VoidConstPtr(), no_delay);
 }
 
-void EkfIdentifierNode::take(const ParameterEstimate& estimate, const StateMatrix& covariance) {
+void EkfIdentifierNode::take(const cvg::ParameterEstimate& estimate,
+                             const cvg::StateMatrix& covariance) {
   if (!estimate.value.allFinite() || !covariance.allFinite()) {
     host_.fail("the estimate of block " + std::to_string(estimate.stamp.sequence) +
                " is not finite");
     return;
   }
-  const auto message = boost::make_shared<ring_gyro_msgs::ParameterEstimate>();
-  toMessage(estimate, covariance, *message);
+  const auto message = boost::make_shared<ring_gyro::ParameterEstimate>();
+  bridge::toMessage(estimate, covariance, *message);
   estimate_output_.publish(message);
 }
 
 template <typename Message>
 void EkfIdentifierNode::add(const char* topic, const Message& message) {
-  if (const MessageFault fault = identifier_.add(message)) {
+  if (const bridge::MessageFault fault = identifier_.add(message)) {
     refusals_.add(topic, message.sequence, fault);
   }
-  if (const BlockStamp* const last = identifier_.last()) {
+  if (const cvg::BlockStamp* const last = identifier_.last()) {
     departure_.inSession(last->session);
     departure_.processed(last->sequence);
   } else {
@@ -87,18 +87,18 @@ void EkfIdentifierNode::leave() {
   elements_subscriber_.shutdown();
   gains_subscriber_.shutdown();
   identifier_.flush();
-  IdentificationResult result;
+  bridge::IdentificationResult result;
   result.report = identifier_.report();
   result.report.not_delivered = not_delivered_;
   if (!parameters_.replay.empty()) result.sources.push_back(parameters_.replay);
-  const std::string failure = failureOf(result.report, configuration_);
+  const std::string failure = bridge::failureOf(result.report, configuration_);
   if (!failure.empty()) ROS_WARN("not identified: %s", failure.c_str());
-  for (const std::string& fault : faultsOf(result.report, configuration_)) {
+  for (const std::string& fault : bridge::faultsOf(result.report, configuration_)) {
     ROS_WARN("%s", fault.c_str());
   }
-  ROS_INFO("identification\n%s", identificationText(result, configuration_).c_str());
+  ROS_INFO("identification\n%s", bridge::identificationText(result, configuration_).c_str());
   try {
-    report_file_.finish(identificationJson({result}, configuration_));
+    report_file_.finish(bridge::identificationJson({result}, configuration_));
   } catch (const std::exception& error) {
     host_.fail(error.what());
   }
@@ -106,10 +106,10 @@ void EkfIdentifierNode::leave() {
 
 void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const IdentificationReport now = identifier_.report();
-  const PairMerge::Counts& counts = now.pairs;
-  const TimeGuard::Counts& elements = now.elements;
-  const TimeGuard::Counts& gains = now.gains;
+  const bridge::IdentificationReport now = identifier_.report();
+  const bridge::PairMerge::Counts& counts = now.pairs;
+  const bridge::TimeGuard::Counts& elements = now.elements;
+  const bridge::TimeGuard::Counts& gains = now.gains;
   const std::uint64_t lost =
       elements.lost + gains.lost + counts.elements_alone + counts.gains_alone;
   const std::string none_used = use_.noneSinceLast(now.usable, now.unusable);
@@ -154,4 +154,4 @@ void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& stat
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

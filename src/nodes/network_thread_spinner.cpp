@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
 constexpr std::chrono::milliseconds kLookForShutdown(50);
@@ -58,4 +58,4 @@ void NetworkThreadSpinner::stop() {
   stopped_changed_.notify_all();
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 NodeDiagnostics::NodeDiagnostics(ros::NodeHandle& handle, ros::NodeHandle& private_handle,
                                  const std::string& node, Report report)
@@ -13,4 +13,4 @@ NodeDiagnostics::NodeDiagnostics(ros::NodeHandle& handle, ros::NodeHandle& priva
                                   [this](const ros::WallTimerEvent&) { updater_.force_update(); });
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -16,7 +16,7 @@
 #include "ring_gyro/nodes/node_host.h"
 #include "ring_gyro/ros/node_configuration.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Each line of `text` as a FATAL of its own, so that a log shows every fault with its node.
 inline void logFatalLines(const std::string& text) {
@@ -55,7 +55,7 @@ int runNode(int argc, char** argv, const char* name, bool ends_last = false) {
       exit_code = EXIT_FAILURE;
       spinner.stop();
     };
-    const NodeConfiguration configuration = readNodeConfiguration(private_handle);
+    const bridge::NodeConfiguration configuration = bridge::readNodeConfiguration(private_handle);
     Node node(handle, private_handle, configuration, host);
     spinner.run();
     // A player gives /clock too, but it waits for the node.
@@ -71,4 +71,4 @@ int runNode(int argc, char** argv, const char* name, bool ends_last = false) {
   return exit_code;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -16,7 +16,7 @@
 #include "ring_gyro/nodes/ekf_identifier_node.h"
 #include "ring_gyro/nodes/plant_simulator_node.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// A node as a nodelet. When its parameters are wrong the manager refuses to load it, with the same
 /// lines as the process has.
@@ -41,7 +41,7 @@ class NodeletOf : public nodelet::Nodelet {
       };
       node_ = std::make_unique<Node>(inMainThread(getNodeHandle()),
                                      inMainThread(getPrivateNodeHandle()),
-                                     readNodeConfiguration(getPrivateNodeHandle()), host);
+                                     bridge::readNodeConfiguration(getPrivateNodeHandle()), host);
     } catch (const std::exception& error) {
       logFatalLines(error.what());
       throw;
@@ -87,10 +87,10 @@ class CalibrationNodelet : public NodeletOf<CalibrationNode> {
   CalibrationNodelet() : NodeletOf(false) {}
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes
 
-PLUGINLIB_EXPORT_CLASS(ring_gyro::PlantSimulatorNodelet, nodelet::Nodelet)
-PLUGINLIB_EXPORT_CLASS(ring_gyro::ControlLoopsNodelet, nodelet::Nodelet)
-PLUGINLIB_EXPORT_CLASS(ring_gyro::EkfIdentifierNodelet, nodelet::Nodelet)
-PLUGINLIB_EXPORT_CLASS(ring_gyro::CompensationInjectorNodelet, nodelet::Nodelet)
-PLUGINLIB_EXPORT_CLASS(ring_gyro::CalibrationNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ring_gyro::nodes::PlantSimulatorNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ring_gyro::nodes::ControlLoopsNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ring_gyro::nodes::EkfIdentifierNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ring_gyro::nodes::CompensationInjectorNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(ring_gyro::nodes::CalibrationNodelet, nodelet::Nodelet)

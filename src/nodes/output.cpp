@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 void Output::add(Names& names, const std::string& name) { names.push_back(name); }
 
@@ -21,4 +21,4 @@ std::string Output::listeners() const {
   return text.empty() ? "nobody" : text;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -16,7 +16,7 @@
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
 constexpr double kTick = 0.1;  // of the watch, wall time [s]
@@ -29,7 +29,7 @@ double seconds(std::chrono::steady_clock::duration duration) {
 }
 
 /// Sums are enough: what is not finite makes them so.
-bool isFinite(const DisplacementBlock& block) {
+bool isFinite(const cvg::DisplacementBlock& block) {
   return std::isfinite(std::accumulate(block.x.begin(), block.x.end(), 0.0)) &&
          std::isfinite(std::accumulate(block.y.begin(), block.y.end(), 0.0));
 }
@@ -37,7 +37,8 @@ bool isFinite(const DisplacementBlock& block) {
 }  // namespace
 
 PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                                       const NodeConfiguration& configuration, NodeHost host)
+                                       const bridge::NodeConfiguration& configuration,
+                                       NodeHost host)
     : handle_(std::move(handle)),
       parameters_(configuration.node),
       host_(std::move(host)),
@@ -51,9 +52,9 @@ PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle p
              static_cast<std::uint64_t>(configuration.loop.run.seed),
              configuration.loop.run.sessionIdentifier(), start_ns_),
       displacement_(
-          Output::advertise<ring_gyro_msgs::DisplacementBlock>(handle_, topics::kDisplacement)),
-      truth_(Output::advertise<ring_gyro_msgs::PlantTruth>(handle_, topics::kPlantTruth)),
-      end_of_run_(Output::advertise<ring_gyro_msgs::EndOfRun>(handle_, topics::kEndOfRun, true)),
+          Output::advertise<ring_gyro::DisplacementBlock>(handle_, bridge::topics::kDisplacement)),
+      truth_(Output::advertise<ring_gyro::PlantTruth>(handle_, bridge::topics::kPlantTruth)),
+      end_of_run_(Output::advertise<ring_gyro::EndOfRun>(handle_, bridge::topics::kEndOfRun, true)),
       reader_wait_(handle_, parameters_, {displacement_, truth_}, [this] { goOn(); }),
       clock_(handle_.advertise<rosgraph_msgs::Clock>("/clock", 10)),
       diagnostics_(handle_, private_handle, private_handle.getNamespace(),
@@ -62,9 +63,9 @@ PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle p
   // those of this run.
   private_handle.setParam("run/session",
                           static_cast<int>(configuration.loop.run.followingSession()));
-  drive_subscriber_ = handle_.subscribe<ring_gyro_msgs::DriveCommand>(
-      topics::kDriveCommand, kInputQueue,
-      [this](const ring_gyro_msgs::DriveCommand::ConstPtr& message) { onDriveCommand(*message); },
+  drive_subscriber_ = handle_.subscribe<ring_gyro::DriveCommand>(
+      bridge::topics::kDriveCommand, kInputQueue,
+      [this](const ring_gyro::DriveCommand::ConstPtr& message) { onDriveCommand(*message); },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   const auto required = static_cast<std::size_t>(parameters_.required_subscribers);
   gate_ = std::make_unique<StartGate>(
@@ -89,10 +90,10 @@ void PlantSimulatorNode::start() {
 }
 
 /// Whether the command is for this plant, and for a block that has no answer yet.
-bool PlantSimulatorNode::accepts(const ring_gyro_msgs::DriveCommand& message) {
+bool PlantSimulatorNode::accepts(const ring_gyro::DriveCommand& message) {
   const auto refuse = [&](const char* reason, const std::string& particulars) {
     refusals_.add(
-        topics::kDriveCommand, reason,
+        bridge::topics::kDriveCommand, reason,
         "answer to block " + std::to_string(message.answers_sequence) + ": " + particulars);
     return false;
   };
@@ -113,10 +114,10 @@ bool PlantSimulatorNode::accepts(const ring_gyro_msgs::DriveCommand& message) {
   return true;
 }
 
-void PlantSimulatorNode::onDriveCommand(const ring_gyro_msgs::DriveCommand& message) {
+void PlantSimulatorNode::onDriveCommand(const ring_gyro::DriveCommand& message) {
   if (!accepts(message)) return;
-  const MessageFault fault = faultOf(message);
-  if (fault) refusals_.add(topics::kDriveCommand, message.answers_sequence, fault);
+  const bridge::MessageFault fault = bridge::faultOf(message);
+  if (fault) refusals_.add(bridge::topics::kDriveCommand, message.answers_sequence, fault);
   if (parameters_.lockstep) {
     silent_ticks_ = 0;
     // An answer all the same: what is wrong in one block need not end a run.
@@ -124,14 +125,14 @@ void PlantSimulatorNode::onDriveCommand(const ring_gyro_msgs::DriveCommand& mess
     if (fault) {
       command_.answers_sequence = message.answers_sequence;
     } else {
-      fromMessage(message, command_);
+      bridge::fromMessage(message, command_);
     }
     any_command_ = true;
     if (!reader_wait_.mustHold()) goOn();
     return;
   }
   if (fault) return;
-  fromMessage(message, command_);
+  bridge::fromMessage(message, command_);
   any_command_ = commanded_ = true;
   // A machine that has fallen behind catches up as fast as the answers come.
   if (behindRealTime() > 0.0) onRealTimeTick();
@@ -187,12 +188,12 @@ void PlantSimulatorNode::onRealTimeTick() {
     ++late_;
     const double late_time = 1e-9 * static_cast<double>(block_ns_) * static_cast<double>(late_by);
     command_.reference_phase =
-        wrapToPi(command_.reference_phase + command_.reference_frequency * late_time);
+        cvg::wrapToPi(command_.reference_phase + command_.reference_frequency * late_time);
   }
   step();
 }
 
-void PlantSimulatorNode::publish(const DisplacementBlock& block) {
+void PlantSimulatorNode::publish(const cvg::DisplacementBlock& block) {
   last_ = block.stamp;
   if (!isFinite(block)) {
     host_.fail("the displacement of block " + std::to_string(last_.sequence) + " is not finite");
@@ -200,11 +201,11 @@ void PlantSimulatorNode::publish(const DisplacementBlock& block) {
   }
   publishClock(last_);
   const auto message = displacement_messages_.take();
-  toMessage(block, *message);
+  bridge::toMessage(block, *message);
   displacement_.publish(message);
   if (truth_.subscribers() > 0) {
     const auto truth = truth_messages_.take();
-    toMessage(plant_.truth(), *truth);
+    bridge::toMessage(plant_.truth(), *truth);
     truth_burst_.push_back(truth);
   }
   if ((last_.sequence + 1) % burst_blocks_ == 0) sendTruths();
@@ -215,12 +216,12 @@ void PlantSimulatorNode::sendTruths() {
   truth_burst_.clear();
 }
 
-void PlantSimulatorNode::publishClock(const BlockStamp& stamp) {
+void PlantSimulatorNode::publishClock(const cvg::BlockStamp& stamp) {
   const WallClock::time_point now = WallClock::now();
   if (seconds(now - clock_at_) * parameters_.clock_rate < 1.0) return;
   clock_at_ = now;
   rosgraph_msgs::Clock clock;
-  clock.clock = timeFromNanoseconds(stamp.end_ns);
+  clock.clock = bridge::timeFromNanoseconds(stamp.end_ns);
   clock_.publish(clock);
 }
 
@@ -229,8 +230,8 @@ void PlantSimulatorNode::endRun() {
   block_timer_.stop();
   drive_subscriber_.shutdown();
   sendTruths();
-  const auto message = boost::make_shared<ring_gyro_msgs::EndOfRun>();
-  message->header.stamp = timeFromNanoseconds(last_.end_ns);
+  const auto message = boost::make_shared<ring_gyro::EndOfRun>();
+  message->header.stamp = bridge::timeFromNanoseconds(last_.end_ns);
   message->session = last_.session;
   message->last_sequence = last_.sequence;
   end_of_run_.publish(message);
@@ -323,4 +324,4 @@ void PlantSimulatorNode::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -6,14 +6,14 @@
 #include <string>
 #include <utility>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
 constexpr double kTick = 0.001;  // while a step is held, wall time [s]
 
 }  // namespace
 
-ReaderWait::ReaderWait(ros::NodeHandle& handle, const NodeParameters& parameters,
+ReaderWait::ReaderWait(ros::NodeHandle& handle, const cvg::NodeParameters& parameters,
                        std::vector<Output> outputs, std::function<void()> resume)
     : lockstep_(parameters.lockstep),
       // Less than the node on the other side of the loop waits for this one.
@@ -58,4 +58,4 @@ void ReaderWait::tick() {
   resume_();
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -2,14 +2,15 @@
 
 #include <ros/console.h>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
 constexpr std::chrono::seconds kQuiet(10);  // between two lines of a kind
 
 }  // namespace
 
-void Refusals::add(const std::string& topic, std::uint64_t block, const MessageFault& fault) {
+void Refusals::add(const std::string& topic, std::uint64_t block,
+                   const bridge::MessageFault& fault) {
   add(topic, std::string(fault.field) + " " + fault.reason,
       "block " + std::to_string(block) + ": " + fault.text);
 }
@@ -30,4 +31,4 @@ void Refusals::addTo(diagnostic_updater::DiagnosticStatusWrapper& status) const 
   for (const auto& [reason, kind] : kinds_) status.add(reason, kind.count);
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

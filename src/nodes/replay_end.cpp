@@ -6,7 +6,7 @@
 
 #include "ring_gyro/ros/loop_bag.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
 constexpr double kTick = 0.05;        // wall time [s]
@@ -18,24 +18,24 @@ ros::Time clock() { return ros::Time::isSimTime() ? ros::Time::now() : ros::Time
 
 }  // namespace
 
-ReplayEnd::ReplayEnd(ros::NodeHandle& handle, const NodeParameters& parameters,
+ReplayEnd::ReplayEnd(ros::NodeHandle& handle, const cvg::NodeParameters& parameters,
                      std::function<void(std::uint64_t)> over)
     : ticks_without_clock_(static_cast<int>(std::ceil(parameters.replay_timeout / kTick))),
       over_(std::move(over)) {
-  const LoopBag bag(parameters.replay);
+  const bridge::LoopBag bag(parameters.replay);
   if (!bag.hasIndex()) {
-    throw BagError(parameters.replay + ": " + bag.damage().front() +
-                   "; rosbag play needs the index, identify does not");
+    throw bridge::BagError(parameters.replay + ": " + bag.damage().front() +
+                           "; rosbag play needs the index, identify does not");
   }
   const ros::Time from = bag.begin() + ros::Duration(parameters.replay_start);
   const ros::Time to = parameters.replay_duration > 0.0
                            ? from + ros::Duration(parameters.replay_duration)
                            : ros::TIME_MAX;
-  const LoopBag::Content content = bag.content(from, to);
+  const bridge::LoopBag::Content content = bag.content(from, to);
   if (content.messages == 0) {
-    throw BagError(parameters.replay +
-                   ": no message in the span that is replayed; give another "
-                   "start or duration");
+    throw bridge::BagError(parameters.replay +
+                           ": no message in the span that is replayed; give another "
+                           "start or duration");
   }
   expected_ = content.messages;
   last_ = content.last;
@@ -65,4 +65,4 @@ void ReplayEnd::end() {
   over_(expected_ - std::min(expected_, received_));
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 namespace {
 
 constexpr double kCheckPeriod = 0.02;  // wall time [s]
@@ -43,4 +43,4 @@ void StartGate::check() {
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 
 Eigen::Matrix2d AxisErrors::alignmentMatrix() const {
   Eigen::Matrix2d alignment;
@@ -61,4 +61,4 @@ void DriveParameters::declare(ParameterTable& table) {
       .number("dac_range", dac_range, "V", Range::above(0.0), "saturates at plus and minus this");
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 
 #include "ring_gyro/common/vector_dispatch.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::size_t kLanes = NormalSource::kLanes;
@@ -151,4 +151,4 @@ void NormalSource::addTo(const double* samples, std::size_t count, double sigma,
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

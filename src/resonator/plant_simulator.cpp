@@ -12,7 +12,7 @@
 #include "ring_gyro/resonator/ring_resonator.h"
 #include "ring_gyro/resonator/sampled_resonator.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -409,4 +409,4 @@ void PlantSimulator::setTemperature(double deviation) {
 }
 PlantTruth PlantSimulator::truth() const { return implementation_->truth(); }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace ring_gyro {
+namespace cvg {
 
 double ResonatorParameters::driveGain() const {
   const std::array<std::pair<const char*, double>, 5> capacitors = {
@@ -109,4 +109,4 @@ void ResonatorParameters::declare(ParameterTable& table) {
               Range::between(-0.1, 0.1), "relative change of gamma1 and gamma2");
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 using Complex = std::complex<double>;
@@ -232,4 +232,4 @@ Eigen::Matrix4d RingResonator::flow(double time) const {
   return flow;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 void RotationParameters::declare(ParameterTable& table) {
   table
@@ -102,4 +102,4 @@ bool RotationProfile::isConstant(double begin, double end) const {
   return end <= times_.front() || begin >= times_.back();
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

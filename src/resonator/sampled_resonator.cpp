@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 
 SampledResonator::SampledResonator(const ResonatorParameters& parameters, double gap_cubic,
                                    double sample_period)
@@ -127,4 +127,4 @@ Eigen::Vector4d SampledResonator::substep(const Eigen::Vector4d& state, const Sa
   return end + (h / 6.0) * (half_ * (k1 + 2.0 * (k2 + k3)) + k4);
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 
 #include "ring_gyro/ros/bag_records.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
 /// Connections by id; the first record of each counts.
@@ -209,4 +209,4 @@ std::string bagEncryptor(const std::string& path) {
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <utility>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
 bool startsLikeABag(const std::string& path) {
@@ -82,4 +82,4 @@ void BagFile::requireWhole() const {
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

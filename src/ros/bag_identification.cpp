@@ -11,7 +11,7 @@
 #include "ring_gyro/ros/batch_queue.h"
 #include "ring_gyro/ros/stream_identifier.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
 constexpr std::size_t kBatchBytes = 128 * 1024;
@@ -99,7 +99,7 @@ class BagReader {
 }  // namespace
 
 BagIdentification::BagIdentification(const std::vector<std::string>& paths,
-                                     LoopConfiguration configuration,
+                                     cvg::LoopConfiguration configuration,
                                      BagIdentificationOptions options)
     : configuration_(std::move(configuration)), options_(std::move(options)) {
   // What is wrong with the configuration is said before bags are opened.
@@ -122,8 +122,8 @@ BagIdentification::BagIdentification(const std::vector<std::string>& paths,
 
 IdentificationResult BagIdentification::run(const OnEstimate& on_estimate,
                                             const OnProgress& on_progress) {
-  const auto take = [&on_estimate](const ParameterEstimate& estimate,
-                                   const StateMatrix& covariance) {
+  const auto take = [&on_estimate](const cvg::ParameterEstimate& estimate,
+                                   const cvg::StateMatrix& covariance) {
     if (!estimate.value.allFinite() || !covariance.allFinite()) {
       throw std::runtime_error("the estimate of block " + std::to_string(estimate.stamp.sequence) +
                                " is not finite");
@@ -134,8 +134,8 @@ IdentificationResult BagIdentification::run(const OnEstimate& on_estimate,
   try {
     BagReader reader(bags_, from_, to_);
     Batch batch;
-    ring_gyro_msgs::OrbitalElements elements;
-    ring_gyro_msgs::ControlGains gains;
+    ring_gyro::OrbitalElements elements;
+    ring_gyro::ControlGains gains;
     ros::Time last = from_;
     while (reader.take(batch)) {
       forEach(batch, [&](const SerialisedMessage& message) {
@@ -164,4 +164,4 @@ IdentificationResult BagIdentification::run(const OnEstimate& on_estimate,
   return result;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <stdexcept>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
@@ -175,4 +175,4 @@ ChunkState takeChunk(BagRecordFile& file, const std::string& header, std::uint32
   return ChunkState::kWhole;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

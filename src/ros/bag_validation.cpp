@@ -12,28 +12,28 @@
 #include "ring_gyro/ros/pair_merge.h"
 #include "ring_gyro/ros/run_ends.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
-constexpr double kLargestAmplitude = 1e3;     // a displacement of more volts is in another unit
-constexpr double kLeastAngle = 0.01;          // a pattern that covers less stands [rad]
-constexpr double kLargestAngleStep = 1.0;     // of theta in one block [rad]
-constexpr double kLargestTimeOffset = 1.0;    // of the header against bag time [s]
-constexpr double kLargestDelayBlocks = 31.0;  // what the identifier remembers
-constexpr double kLargestPhase = 2.0 * kPi;   // |phi| beyond is not in rad
+constexpr double kLargestAmplitude = 1e3;         // a displacement of more volts is in another unit
+constexpr double kLeastAngle = 0.01;              // a pattern that covers less stands [rad]
+constexpr double kLargestAngleStep = 1.0;         // of theta in one block [rad]
+constexpr double kLargestTimeOffset = 1.0;        // of the header against bag time [s]
+constexpr double kLargestDelayBlocks = 31.0;      // what the identifier remembers
+constexpr double kLargestPhase = 2.0 * cvg::kPi;  // |phi| beyond is not in rad
 
 /// How often something was seen, and where first.
 struct Tally {
   std::uint64_t count = 0;
-  BlockStamp first;
+  cvg::BlockStamp first;
 
-  void add(const BlockStamp& where) {
+  void add(const cvg::BlockStamp& where) {
     if (count++ == 0) first = where;
   }
   std::string at() const {
-    return formatted("%llu times, first in block %llu at %.6f s",
-                     static_cast<unsigned long long>(count),
-                     static_cast<unsigned long long>(first.sequence), first.end());
+    return cvg::formatted("%llu times, first in block %llu at %.6f s",
+                          static_cast<unsigned long long>(count),
+                          static_cast<unsigned long long>(first.sequence), first.end());
   }
 };
 
@@ -51,17 +51,17 @@ struct Span {
 /// Whether each session goes up to the block that its plant announced as the last.
 class EndCheck {
  public:
-  void add(const BlockStamp& stamp) {
-    BlockStamp& last = last_[stamp.session];
+  void add(const cvg::BlockStamp& stamp) {
+    cvg::BlockStamp& last = last_[stamp.session];
     if (last.end_ns <= stamp.end_ns) last = stamp;
   }
 
   void report(const RunEnds& ends, std::vector<Finding>& findings) const {
     for (const auto& [session, last] : last_) {
       const auto end = ends.find(session);
-      const std::string where = formatted("block %llu of session %u at %.6f s",
-                                          static_cast<unsigned long long>(last.sequence),
-                                          static_cast<unsigned>(session), last.end());
+      const std::string where = cvg::formatted("block %llu of session %u at %.6f s",
+                                               static_cast<unsigned long long>(last.sequence),
+                                               static_cast<unsigned>(session), last.end());
       if (end == ends.end()) {
         findings.push_back({Severity::kWarning,
                             "the run was cut after " + where +
@@ -75,13 +75,13 @@ class EndCheck {
   }
 
  private:
-  std::map<std::uint32_t, BlockStamp> last_;  // by session
+  std::map<std::uint32_t, cvg::BlockStamp> last_;  // by session
 };
 
 /// Stamps of one topic.
 class StampCheck {
  public:
-  void add(const BlockStamp& stamp, const ros::Time& bag_time) {
+  void add(const cvg::BlockStamp& stamp, const ros::Time& bag_time) {
     const StampOrder order = guard_.check(stamp);
     if (order == StampOrder::kGap) gaps_.add(stamp);
     if (order == StampOrder::kStepBack) back_.add(stamp);
@@ -108,8 +108,8 @@ class StampCheck {
     add(Severity::kFault, spacing_,
         "stamps of successive blocks differ by other than the duration");
     add(Severity::kWarning, gaps_,
-        formatted("%llu blocks missing in gaps",
-                  static_cast<unsigned long long>(guard_.counts().lost)));
+        cvg::formatted("%llu blocks missing in gaps",
+                       static_cast<unsigned long long>(guard_.counts().lost)));
     add(Severity::kWarning, duplicates_, "the same block again");
     add(Severity::kWarning, sessions_, "a new session of the plant");
     add(Severity::kFault, left_, "a session that had been left goes on, two plants at once?");
@@ -119,14 +119,14 @@ class StampCheck {
 
  private:
   TimeGuard guard_;
-  BlockStamp last_;
+  cvg::BlockStamp last_;
   Tally gaps_, back_, sessions_, left_, duplicates_, zero_, spacing_, offset_;
 };
 
 /// Numbers that cannot be, by field and reason.
 class NumberCheck {
  public:
-  void add(const MessageFault& fault, const BlockStamp& stamp) {
+  void add(const MessageFault& fault, const cvg::BlockStamp& stamp) {
     if (fault) tallies_[std::string(fault.field) + " " + fault.reason].add(stamp);
   }
   void report(const std::string& topic, std::vector<Finding>& findings) const {
@@ -142,10 +142,12 @@ class NumberCheck {
 /// What pairs of elements and gains say of the motion.
 class MotionCheck {
  public:
-  void add(const OrbitalElements& elements, const ControlGains& gains) {
-    const BlockStamp& stamp = elements.stamp;
-    const Orbit& orbit = elements.orbit;
-    if (elements.status.refused != Refusal::kNone || gains.status.refused != Refusal::kNone) return;
+  void add(const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
+    const cvg::BlockStamp& stamp = elements.stamp;
+    const cvg::Orbit& orbit = elements.orbit;
+    if (elements.status.refused != cvg::Refusal::kNone ||
+        gains.status.refused != cvg::Refusal::kNone)
+      return;
     ++blocks_;
     a_.add(orbit.a);
     if (orbit.a > kLargestAmplitude) too_large_.add(stamp);
@@ -176,7 +178,8 @@ class MotionCheck {
     const auto tally = [&](const Tally& what, const std::string& text) {
       if (what.count > 0) fault(text + " " + what.at());
     };
-    tally(too_large_, formatted("a above %g V, is it in mV, nm or counts?", kLargestAmplitude));
+    tally(too_large_,
+          cvg::formatted("a above %g V, is it in mV, nm or counts?", kLargestAmplitude));
     tally(phase_, "|phi| above 2 pi, is it in degrees?");
     tally(delay_, "a group delay above 31 blocks");
     tally(frequency_, "a reference frequency that is not above zero");
@@ -189,8 +192,8 @@ class MotionCheck {
       return;
     }
     if (theta_.width() < kLeastAngle) {
-      fault(formatted("theta covers %.1e rad: steer the pattern or turn the gyroscope",
-                      theta_.width()));
+      fault(cvg::formatted("theta covers %.1e rad: steer the pattern or turn the gyroscope",
+                           theta_.width()));
     }
     if (beta_given_ && beta_sum_ < 0.0) {
       fault("beta has the wrong sign: a sustaining gain is positive (drive along the velocity)");
@@ -202,7 +205,7 @@ class MotionCheck {
 
  private:
   bool any_ = false;
-  BlockStamp last_;
+  cvg::BlockStamp last_;
   double last_theta_ = 0.0;
   std::uint64_t blocks_ = 0;
   std::uint64_t usable_ = 0;
@@ -228,22 +231,22 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   NumberCheck gains_numbers;
   MotionCheck motion;
   EndCheck end;
-  PairMerge merge([&motion](const OrbitalElements& elements, const ControlGains& gains) {
+  PairMerge merge([&motion](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
     motion.add(elements, gains);
   });
-  OrbitalElements elements;
-  ControlGains gains;
+  cvg::OrbitalElements elements;
+  cvg::ControlGains gains;
   RunEnds ends;
   BagSinks others;
   addRunEnds(bag.file(), ends, others);
   bag.read(
-      [&](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& time) {
+      [&](const ring_gyro::OrbitalElements& message, const ros::Time& time) {
         elements_numbers.add(readChecked(message, elements), elements.stamp);
         elements_stamps.add(elements.stamp, time);
         end.add(elements.stamp);
         merge.add(elements);
       },
-      [&](const ring_gyro_msgs::ControlGains& message, const ros::Time& time) {
+      [&](const ring_gyro::ControlGains& message, const ros::Time& time) {
         gains_numbers.add(readChecked(message, gains), gains.stamp);
         gains_stamps.add(gains.stamp, time);
         merge.add(gains);
@@ -252,13 +255,13 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   merge.flush();
 
   BagValidation result;
-  result.summary = formatted(
+  result.summary = cvg::formatted(
       "%llu orbital elements on %s, %llu control gains on %s, %llu pairs of "
       "which %llu are locked, %.3f turns of theta",
       static_cast<unsigned long long>(elements_stamps.accepted()), bag.elementsTopic().c_str(),
       static_cast<unsigned long long>(gains_stamps.accepted()), bag.gainsTopic().c_str(),
       static_cast<unsigned long long>(merge.counts().pairs),
-      static_cast<unsigned long long>(motion.usable()), motion.angle() / kTwoPi);
+      static_cast<unsigned long long>(motion.usable()), motion.angle() / cvg::kTwoPi);
   for (const std::string& damage : bag.damage()) {
     result.findings.push_back({Severity::kFault, damage});
   }
@@ -279,4 +282,4 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   return result;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

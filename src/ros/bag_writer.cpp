@@ -4,10 +4,10 @@
 
 #include "ring_gyro/common/write_fault.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 BagWriter::BagWriter(const std::string& path)
-    : output_(path, ".active", OutputFile::Access::kSeeking),
+    : output_(path, ".active", cvg::OutputFile::Access::kSeeking),
       bag_(std::make_unique<rosbag::Bag>()) {
   // By its descriptor: nobody can put another file in the place of that name.
   const std::string file = "/proc/self/fd/" + std::to_string(output_.descriptor());
@@ -62,7 +62,7 @@ void BagWriter::giveUp(int reason, const std::string& what) {
   // A bag that could not write throws when it is closed too, and its destructor closes: that would
   // end the program. There is no other way to be rid of one than to let it be.
   static_cast<void>(bag_.release());
-  fail(reason != 0 ? writeFault(path(), reason) : path() + ": cannot be written: " + what);
+  fail(reason != 0 ? cvg::writeFault(path(), reason) : path() + ": cannot be written: " + what);
 }
 
 void BagWriter::fail(const std::string& fault) {
@@ -73,4 +73,4 @@ void BagWriter::fail(const std::string& fault) {
   throw std::runtime_error(fault_);
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

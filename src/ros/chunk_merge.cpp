@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 ChunkMerge::ChunkMerge(const std::string& path, const BagContents& contents, const BagSinks& sinks,
                        const ros::Time& from, const ros::Time& to, std::size_t most_held)
@@ -239,4 +239,4 @@ void ChunkMerge::dropAfterHorizon(Run& run) {
   run = std::move(kept);
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -6,12 +6,12 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/demodulation/orbital_elements.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
 /// The fields that all messages of a block have: end of the block, session, sequence, duration.
 template <typename Message>
-void stampToMessage(const BlockStamp& stamp, Message& message) {
+void stampToMessage(const cvg::BlockStamp& stamp, Message& message) {
   message.header.stamp = timeFromNanoseconds(stamp.end_ns);
   message.session = stamp.session;
   message.sequence = stamp.sequence;
@@ -19,19 +19,19 @@ void stampToMessage(const BlockStamp& stamp, Message& message) {
 }
 
 template <typename Message>
-BlockStamp stampFromMessage(const Message& message) {
+cvg::BlockStamp stampFromMessage(const Message& message) {
   return {message.session, message.sequence, nanosecondsFromTime(message.header.stamp),
           static_cast<std::int64_t>(message.duration)};
 }
 
-void envelopeToMessage(const Eigen::Vector2cd& envelope, ring_gyro_msgs::Envelope& message) {
+void envelopeToMessage(const Eigen::Vector2cd& envelope, ring_gyro::Envelope& message) {
   message.x_real = envelope[0].real();
   message.x_imag = envelope[0].imag();
   message.y_real = envelope[1].real();
   message.y_imag = envelope[1].imag();
 }
 
-Eigen::Vector2cd envelopeFromMessage(const ring_gyro_msgs::Envelope& message) {
+Eigen::Vector2cd envelopeFromMessage(const ring_gyro::Envelope& message) {
   return {std::complex<double>(message.x_real, message.x_imag),
           std::complex<double>(message.y_real, message.y_imag)};
 }
@@ -39,8 +39,8 @@ Eigen::Vector2cd envelopeFromMessage(const ring_gyro_msgs::Envelope& message) {
 bool isZero(const Eigen::Vector2cd& envelope) { return envelope[0] == 0.0 && envelope[1] == 0.0; }
 
 /// A log may know the whole drive and not what it is made of: then the whole stands as one part.
-DriveContributions driveFromMessage(const ring_gyro_msgs::ControlGains& message) {
-  DriveContributions drive;
+cvg::DriveContributions driveFromMessage(const ring_gyro::ControlGains& message) {
+  cvg::DriveContributions drive;
   drive.sustain = envelopeFromMessage(message.sustain);
   drive.quadrature = envelopeFromMessage(message.quadrature);
   drive.steering = envelopeFromMessage(message.steering);
@@ -53,7 +53,7 @@ DriveContributions driveFromMessage(const ring_gyro_msgs::ControlGains& message)
   return drive;
 }
 
-void statusToMessage(const LoopStatus& status, ring_gyro_msgs::LoopStatus& message) {
+void statusToMessage(const cvg::LoopStatus& status, ring_gyro::LoopStatus& message) {
   message.amplitude_locked = status.amplitude_locked;
   message.quadrature_locked = status.quadrature_locked;
   message.phase_locked = status.phase_locked;
@@ -62,8 +62,8 @@ void statusToMessage(const LoopStatus& status, ring_gyro_msgs::LoopStatus& messa
   message.drive_saturated = status.drive_saturated;
 }
 
-LoopStatus statusFromMessage(const ring_gyro_msgs::LoopStatus& message) {
-  LoopStatus status;
+cvg::LoopStatus statusFromMessage(const ring_gyro::LoopStatus& message) {
+  cvg::LoopStatus status;
   status.amplitude_locked = message.amplitude_locked != 0;
   status.quadrature_locked = message.quadrature_locked != 0;
   status.phase_locked = message.phase_locked != 0;
@@ -73,14 +73,14 @@ LoopStatus statusFromMessage(const ring_gyro_msgs::LoopStatus& message) {
   return status;
 }
 
-void harmonicsToMessage(const AngleHarmonics& function, double& constant,
+void harmonicsToMessage(const cvg::AngleHarmonics& function, double& constant,
                         std::vector<double>& cosine, std::vector<double>& sine) {
   constant = function.constant;
   cosine = function.cosine;
   sine = function.sine;
 }
 
-void calibrationToMessage(const Calibration& calibration, ring_gyro_msgs::Calibration& message) {
+void calibrationToMessage(const cvg::Calibration& calibration, ring_gyro::Calibration& message) {
   message.correct_pickoff = calibration.correct_pickoff;
   message.correct_phase = calibration.correct_phase;
   message.correct_drive_gains = calibration.correct_drive_gains;
@@ -104,8 +104,8 @@ void calibrationToMessage(const Calibration& calibration, ring_gyro_msgs::Calibr
                      message.angle_map_sine);
 }
 
-Calibration calibrationFromMessage(const ring_gyro_msgs::Calibration& message) {
-  Calibration calibration;
+cvg::Calibration calibrationFromMessage(const ring_gyro::Calibration& message) {
+  cvg::Calibration calibration;
   calibration.correct_pickoff = message.correct_pickoff != 0;
   calibration.correct_phase = message.correct_phase != 0;
   calibration.correct_drive_gains = message.correct_drive_gains != 0;
@@ -139,7 +139,7 @@ std::int64_t nanosecondsFromTime(const ros::Time& time) {
   return static_cast<std::int64_t>(time.toNSec());
 }
 
-void toMessage(const DisplacementBlock& block, ring_gyro_msgs::DisplacementBlock& message) {
+void toMessage(const cvg::DisplacementBlock& block, ring_gyro::DisplacementBlock& message) {
   stampToMessage(block.stamp, message);
   message.driven = block.driven;
   message.drive_answers_sequence = block.drive_answers_sequence;
@@ -151,7 +151,7 @@ void toMessage(const DisplacementBlock& block, ring_gyro_msgs::DisplacementBlock
   message.y.assign(block.y.begin(), block.y.end());
 }
 
-void fromMessage(const ring_gyro_msgs::DisplacementBlock& message, DisplacementBlock& block) {
+void fromMessage(const ring_gyro::DisplacementBlock& message, cvg::DisplacementBlock& block) {
   block.stamp = stampFromMessage(message);
   block.driven = message.driven != 0;
   block.drive_answers_sequence = message.drive_answers_sequence;
@@ -163,8 +163,8 @@ void fromMessage(const ring_gyro_msgs::DisplacementBlock& message, DisplacementB
   block.y.assign(message.y.begin(), message.y.end());
 }
 
-void toMessage(const DriveCommand& command, const BlockStamp& answered,
-               ring_gyro_msgs::DriveCommand& message) {
+void toMessage(const cvg::DriveCommand& command, const cvg::BlockStamp& answered,
+               ring_gyro::DriveCommand& message) {
   message.header.stamp = timeFromNanoseconds(answered.end_ns);
   message.session = answered.session;
   message.answers_sequence = command.answers_sequence;
@@ -175,7 +175,7 @@ void toMessage(const DriveCommand& command, const BlockStamp& answered,
   message.end_of_run = command.end_of_run;
 }
 
-void fromMessage(const ring_gyro_msgs::DriveCommand& message, DriveCommand& command) {
+void fromMessage(const ring_gyro::DriveCommand& message, cvg::DriveCommand& command) {
   command.answers_sequence = message.answers_sequence;
   command.reference_phase = message.reference_phase;
   command.reference_frequency = message.reference_frequency;
@@ -184,7 +184,7 @@ void fromMessage(const ring_gyro_msgs::DriveCommand& message, DriveCommand& comm
   command.end_of_run = message.end_of_run != 0;
 }
 
-void toMessage(const OrbitalElements& elements, ring_gyro_msgs::OrbitalElements& message) {
+void toMessage(const cvg::OrbitalElements& elements, ring_gyro::OrbitalElements& message) {
   stampToMessage(elements.stamp, message);
   message.group_delay = elements.group_delay;
   message.a = elements.orbit.a;
@@ -194,11 +194,11 @@ void toMessage(const OrbitalElements& elements, ring_gyro_msgs::OrbitalElements&
   message.theta_rate = elements.theta_rate;
   message.angle = elements.angle;
   message.angle_rate = elements.angle_rate;
-  message.turns = static_cast<std::int32_t>(std::trunc(elements.orbit.theta / kTwoPi));
+  message.turns = static_cast<std::int32_t>(std::trunc(elements.orbit.theta / cvg::kTwoPi));
   statusToMessage(elements.status, message.status);
 }
 
-void fromMessage(const ring_gyro_msgs::OrbitalElements& message, OrbitalElements& elements) {
+void fromMessage(const ring_gyro::OrbitalElements& message, cvg::OrbitalElements& elements) {
   elements.stamp = stampFromMessage(message);
   elements.group_delay = message.group_delay;
   elements.orbit = {message.a, message.b, message.theta, message.phi};
@@ -208,7 +208,7 @@ void fromMessage(const ring_gyro_msgs::OrbitalElements& message, OrbitalElements
   elements.status = statusFromMessage(message.status);
 }
 
-void toMessage(const ControlGains& gains, ring_gyro_msgs::ControlGains& message) {
+void toMessage(const cvg::ControlGains& gains, ring_gyro::ControlGains& message) {
   stampToMessage(gains.stamp, message);
   message.reference_frequency = gains.reference_frequency;
   message.reference_phase = gains.reference_phase;
@@ -225,7 +225,7 @@ void toMessage(const ControlGains& gains, ring_gyro_msgs::ControlGains& message)
   statusToMessage(gains.status, message.status);
 }
 
-void fromMessage(const ring_gyro_msgs::ControlGains& message, ControlGains& gains) {
+void fromMessage(const ring_gyro::ControlGains& message, cvg::ControlGains& gains) {
   gains.stamp = stampFromMessage(message);
   gains.reference_frequency = message.reference_frequency;
   gains.reference_phase = message.reference_phase;
@@ -237,8 +237,8 @@ void fromMessage(const ring_gyro_msgs::ControlGains& message, ControlGains& gain
   gains.status = statusFromMessage(message.status);
 }
 
-void toMessage(const ParameterEstimate& estimate, const StateMatrix& covariance,
-               ring_gyro_msgs::ParameterEstimate& message) {
+void toMessage(const cvg::ParameterEstimate& estimate, const cvg::StateMatrix& covariance,
+               ring_gyro::ParameterEstimate& message) {
   message.header.stamp = timeFromNanoseconds(estimate.stamp.end_ns);
   message.session = estimate.stamp.session;
   message.first_sequence = estimate.first_sequence;
@@ -266,7 +266,7 @@ void toMessage(const ParameterEstimate& estimate, const StateMatrix& covariance,
   message.converged = estimate.converged;
 }
 
-void fromMessage(const ring_gyro_msgs::ParameterEstimate& message, ParameterEstimate& estimate) {
+void fromMessage(const ring_gyro::ParameterEstimate& message, cvg::ParameterEstimate& estimate) {
   estimate.stamp = {message.session, message.last_sequence,
                     nanosecondsFromTime(message.header.stamp),
                     static_cast<std::int64_t>(message.duration)};
@@ -277,7 +277,7 @@ void fromMessage(const ring_gyro_msgs::ParameterEstimate& message, ParameterEsti
   estimate.updated = message.updated != 0;
   for (int i = 0; i < 7; ++i) estimate.value[i] = message.value[i];
   for (int i = 0; i < 5; ++i) {
-    const int state = kGamma1 + i;
+    const int state = cvg::kGamma1 + i;
     estimate.parameter_variance[i] = message.covariance[8 * state];
   }
   for (int i = 0; i < 2; ++i) {
@@ -293,8 +293,8 @@ void fromMessage(const ring_gyro_msgs::ParameterEstimate& message, ParameterEsti
   estimate.converged = message.converged != 0;
 }
 
-void toMessage(const CompensationDecision& decision, const ros::Time& data_stamp,
-               ring_gyro_msgs::CompensationGains& message) {
+void toMessage(const cvg::CompensationDecision& decision, const ros::Time& data_stamp,
+               ring_gyro::CompensationGains& message) {
   message.header.stamp = data_stamp;
   message.session = decision.session;
   message.effective_sequence = decision.effective_sequence;
@@ -306,18 +306,18 @@ void toMessage(const CompensationDecision& decision, const ros::Time& data_stamp
   message.state = static_cast<std::uint8_t>(decision.state);
 }
 
-void fromMessage(const ring_gyro_msgs::CompensationGains& message, CompensationDecision& decision) {
+void fromMessage(const ring_gyro::CompensationGains& message, cvg::CompensationDecision& decision) {
   decision.session = message.session;
   decision.effective_sequence = message.effective_sequence;
   decision.data_sequence = message.data_sequence;
   decision.gains = {message.gain_1, message.gain_2};
   decision.gamma1 = message.gamma_1;
   decision.gamma2 = message.gamma_2;
-  decision.state = static_cast<InjectorState>(message.state);
+  decision.state = static_cast<cvg::InjectorState>(message.state);
 }
 
-void toMessage(const CalibrationCommand& command, const BlockStamp& data,
-               ring_gyro_msgs::CalibrationCommand& message) {
+void toMessage(const cvg::CalibrationCommand& command, const cvg::BlockStamp& data,
+               ring_gyro::CalibrationCommand& message) {
   message.header.stamp = timeFromNanoseconds(data.end_ns);
   message.session = command.session;
   message.effective_sequence = command.effective_sequence;
@@ -334,7 +334,7 @@ void toMessage(const CalibrationCommand& command, const BlockStamp& data,
   message.failure = command.failure;
 }
 
-void fromMessage(const ring_gyro_msgs::CalibrationCommand& message, CalibrationCommand& command) {
+void fromMessage(const ring_gyro::CalibrationCommand& message, cvg::CalibrationCommand& command) {
   command.session = message.session;
   command.effective_sequence = message.effective_sequence;
   command.settings.virtual_rate = message.virtual_rate;
@@ -349,10 +349,10 @@ void fromMessage(const ring_gyro_msgs::CalibrationCommand& message, CalibrationC
   command.failure = message.failure;
 }
 
-void toMessage(const PlantTruth& truth, ring_gyro_msgs::PlantTruth& message) {
+void toMessage(const cvg::PlantTruth& truth, ring_gyro::PlantTruth& message) {
   stampToMessage(truth.stamp, message);
   envelopeToMessage(truth.envelope, message.envelope);
-  const Orbit orbit = orbitFromEnvelope(truth.envelope);
+  const cvg::Orbit orbit = cvg::orbitFromEnvelope(truth.envelope);
   message.a = orbit.a;
   message.b = orbit.b;
   message.theta = orbit.theta;
@@ -368,7 +368,7 @@ void toMessage(const PlantTruth& truth, ring_gyro_msgs::PlantTruth& message) {
   message.drive_gain = truth.drive_gain;
 }
 
-void fromMessage(const ring_gyro_msgs::PlantTruth& message, PlantTruth& truth) {
+void fromMessage(const ring_gyro::PlantTruth& message, cvg::PlantTruth& truth) {
   truth.stamp = stampFromMessage(message);
   truth.envelope = envelopeFromMessage(message.envelope);
   truth.rotation_rate = message.rotation_rate;
@@ -382,7 +382,7 @@ void fromMessage(const ring_gyro_msgs::PlantTruth& message, PlantTruth& truth) {
   truth.drive_gain = message.drive_gain;
 }
 
-void toMessage(const OrbitalElements& elements, double angular_gain, const std::string& frame,
+void toMessage(const cvg::OrbitalElements& elements, double angular_gain, const std::string& frame,
                sensor_msgs::Imu& message) {
   const auto delay_ns = static_cast<std::int64_t>(std::llround(1e9 * elements.group_delay));
   message.header.stamp =
@@ -397,4 +397,4 @@ void toMessage(const OrbitalElements& elements, double angular_gain, const std::
   message.linear_acceleration_covariance[0] = -1.0;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -11,7 +11,7 @@
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/configuration/parameter_text.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -55,12 +55,13 @@ std::string noPairs(const IdentificationReport& report) {
          "record both topics of one run";
 }
 
-std::string noneUsable(const IdentificationReport& report, const LoopConfiguration& configuration) {
+std::string noneUsable(const IdentificationReport& report,
+                       const cvg::LoopConfiguration& configuration) {
   const UnusableBlocks& unusable = report.unusable;
   std::string line = "none of " + number(unusable.total()) +
                      " blocks can be used: " + unusableText(unusable) + "; ";
   if (unusable.wrong_duration > 0) {
-    line += formatted(
+    line += cvg::formatted(
         "blocks last %g s, the configuration says %g s: set converter/sample_rate and "
         "converter/block_samples",
         1e-9 * static_cast<double>(report.wrong_duration_ns),
@@ -81,19 +82,19 @@ std::string noneUsable(const IdentificationReport& report, const LoopConfigurati
 
 Json jsonNumber(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json jsonOf(const Parameter& parameter) {
+Json jsonOf(const cvg::Parameter& parameter) {
   return std::visit([](const auto* target) { return Json(*target); }, parameter.target);
 }
 
 /// What the filter was told; the rest of a configuration has no part in it.
-Json settingsJson(const LoopConfiguration& configuration) {
+Json settingsJson(const cvg::LoopConfiguration& configuration) {
   static const std::set<std::string> kUsed = {"converter", "device", "identification"};
-  LoopConfiguration copy = configuration;
+  cvg::LoopConfiguration copy = configuration;
   Json settings = Json::object();
-  for (const Section& section : copy.sections()) {
+  for (const cvg::Section& section : copy.sections()) {
     if (kUsed.count(section.name) == 0) continue;
     Json& values = settings[section.name] = Json::object();
-    for (const Parameter& parameter : section.table.parameters()) {
+    for (const cvg::Parameter& parameter : section.table.parameters()) {
       values[parameter.key] = jsonOf(parameter);
     }
   }
@@ -129,7 +130,7 @@ Json countsJson(const IdentificationReport& report) {
   return counts;
 }
 
-Json covarianceJson(const StateMatrix& covariance) {
+Json covarianceJson(const cvg::StateMatrix& covariance) {
   Json rows = Json::array();
   for (int i = 0; i < 7; ++i) {
     Json row = Json::array();
@@ -141,7 +142,7 @@ Json covarianceJson(const StateMatrix& covariance) {
 
 Json consistencyJson(std::uint64_t updates, double sum) {
   if (updates == 0) return nullptr;
-  const NisBounds bounds = nisBounds(updates);
+  const cvg::NisBounds bounds = cvg::nisBounds(updates);
   const double mean = sum / static_cast<double>(updates);
   return {{"updates", updates},
           {"mean_nis", jsonNumber(mean)},
@@ -152,16 +153,17 @@ Json consistencyJson(std::uint64_t updates, double sum) {
 
 std::string consistencyText(const char* name, std::uint64_t updates, double sum) {
   if (updates == 0) return "";
-  const NisBounds bounds = nisBounds(updates);
+  const cvg::NisBounds bounds = cvg::nisBounds(updates);
   const double mean = sum / static_cast<double>(updates);
-  return formatted("  %-12s mean NIS %.3f of %llu updates, 95 %% bounds [%.3f, %.3f]: %s\n", name,
-                   mean, static_cast<unsigned long long>(updates), bounds.lower, bounds.upper,
-                   mean < bounds.lower   ? "less noise than assumed"
-                   : mean > bounds.upper ? "more noise than assumed, or not this model"
-                                         : "consistent");
+  return cvg::formatted("  %-12s mean NIS %.3f of %llu updates, 95 %% bounds [%.3f, %.3f]: %s\n",
+                        name, mean, static_cast<unsigned long long>(updates), bounds.lower,
+                        bounds.upper,
+                        mean < bounds.lower   ? "less noise than assumed"
+                        : mean > bounds.upper ? "more noise than assumed, or not this model"
+                                              : "consistent");
 }
 
-Json resultJson(const IdentificationResult& result, const LoopConfiguration& configuration,
+Json resultJson(const IdentificationResult& result, const cvg::LoopConfiguration& configuration,
                 const Json& settings) {
   const IdentificationReport& report = result.report;
   const std::string failure = failureOf(report, configuration);
@@ -202,48 +204,48 @@ Json resultJson(const IdentificationResult& result, const LoopConfiguration& con
   return json;
 }
 
-void addParameters(std::string& text, const ParameterEstimate& estimate) {
-  for (int i = kGamma1; i <= kDriveGain; ++i) {
-    text += formatted("  %-12s % 15.8e +- %.1e  %s\n", kStates[i].name, estimate.value[i],
-                      estimate.sigma(static_cast<StateIndex>(i)), kStates[i].unit);
+void addParameters(std::string& text, const cvg::ParameterEstimate& estimate) {
+  for (int i = cvg::kGamma1; i <= cvg::kDriveGain; ++i) {
+    text += cvg::formatted("  %-12s % 15.8e +- %.1e  %s\n", kStates[i].name, estimate.value[i],
+                           estimate.sigma(static_cast<cvg::StateIndex>(i)), kStates[i].unit);
   }
 }
 
 }  // namespace
 
-void UnusableBlocks::add(BlockUse use) {
+void UnusableBlocks::add(cvg::BlockUse use) {
   switch (use) {
-    case BlockUse::kUsable:
+    case cvg::BlockUse::kUsable:
       return;
-    case BlockUse::kNotFinite:
+    case cvg::BlockUse::kNotFinite:
       ++not_finite;
       return;
-    case BlockUse::kOtherBlock:
-    case BlockUse::kImpossible:
+    case cvg::BlockUse::kOtherBlock:
+    case cvg::BlockUse::kImpossible:
       ++impossible;
       return;
-    case BlockUse::kContradiction:
+    case cvg::BlockUse::kContradiction:
       ++contradiction;
       return;
-    case BlockUse::kWrongDuration:
+    case cvg::BlockUse::kWrongDuration:
       ++wrong_duration;
       return;
-    case BlockUse::kNoAmplitude:
+    case cvg::BlockUse::kNoAmplitude:
       ++no_amplitude;
       return;
-    case BlockUse::kInvalidSamples:
+    case cvg::BlockUse::kInvalidSamples:
       ++invalid_samples;
       return;
-    case BlockUse::kSaturated:
+    case cvg::BlockUse::kSaturated:
       ++saturated;
       return;
-    case BlockUse::kNotLocked:
+    case cvg::BlockUse::kNotLocked:
       ++not_locked;
       return;
-    case BlockUse::kNoFrequency:
+    case cvg::BlockUse::kNoFrequency:
       ++no_frequency;
       return;
-    case BlockUse::kGroupDelay:
+    case cvg::BlockUse::kGroupDelay:
       ++group_delay;
       return;
   }
@@ -284,7 +286,8 @@ std::string mainReasonOf(const UnusableBlocks& unusable) {
   return most->blocks == 0 ? "" : number(most->blocks) + " " + most->text;
 }
 
-std::string failureOf(const IdentificationReport& report, const LoopConfiguration& configuration) {
+std::string failureOf(const IdentificationReport& report,
+                      const cvg::LoopConfiguration& configuration) {
   if (report.pairs.pairs == 0) return noPairs(report);
   if (report.pairs.pairs == report.before_start) {
     return "no block from the start sequence on, the last is " + number(report.last.sequence) +
@@ -292,13 +295,13 @@ std::string failureOf(const IdentificationReport& report, const LoopConfiguratio
   }
   if (report.usable == 0) return noneUsable(report, configuration);
   if (report.nis.updates == 0) {
-    return formatted(
+    return cvg::formatted(
         "no two whole periods of %g s with usable blocks only: record for longer, or set "
         "a shorter identification/update_period",
         configuration.identification.update_period);
   }
   if (report.estimate->angle_covered < kConstantAngle) {
-    return formatted(
+    return cvg::formatted(
         "theta stands still (%.1e rad covered), so nothing tells the parameters apart: "
         "steer the pattern or turn the gyroscope while recording",
         report.estimate->angle_covered);
@@ -307,7 +310,7 @@ std::string failureOf(const IdentificationReport& report, const LoopConfiguratio
 }
 
 std::vector<std::string> faultsOf(const IdentificationReport& report,
-                                  const LoopConfiguration& configuration) {
+                                  const cvg::LoopConfiguration& configuration) {
   std::vector<std::string> faults;
   const std::string misfit = report.nis.misfit();
   if (!misfit.empty()) faults.push_back(misfit);
@@ -331,8 +334,8 @@ std::vector<std::string> faultsOf(const IdentificationReport& report,
   add(elements.left_sessions + gains.left_sessions,
       "messages of a session that had been left, left out: two plants at once?");
   add(report.pairs.overdue,
-      formatted("of those alone because the other topic was silent for %zu blocks",
-                PairMerge::kMostWaiting));
+      cvg::formatted("of those alone because the other topic was silent for %zu blocks",
+                     PairMerge::kMostWaiting));
   if (!report.first_refused.empty()) faults.push_back("refused " + report.first_refused);
   add(report.unusable.not_finite, "blocks with numbers that are not finite, left out");
   add(report.unusable.no_amplitude, "blocks with a not above |b|, left out");
@@ -342,54 +345,55 @@ std::vector<std::string> faultsOf(const IdentificationReport& report,
   add(report.unusable.no_frequency, "blocks without a reference frequency, left out");
   add(report.unusable.group_delay, "blocks with too long a group delay, left out");
   if (report.usable > 0) {
-    const double frequency = report.frequency_sum / static_cast<double>(report.usable) / kTwoPi;
+    const double frequency =
+        report.frequency_sum / static_cast<double>(report.usable) / cvg::kTwoPi;
     const double configured = configuration.device.natural_frequency;
     if (!(std::abs(frequency - configured) < kFrequencyTolerance * configured)) {
       faults.push_back(
-          formatted("the reference ran at %.6g Hz, device/natural_frequency is %.6g Hz: "
-                    "is it the configuration of this device?",
-                    frequency, configured));
+          cvg::formatted("the reference ran at %.6g Hz, device/natural_frequency is %.6g Hz: "
+                         "is it the configuration of this device?",
+                         frequency, configured));
     }
   }
   return faults;
 }
 
 std::string identificationText(const IdentificationResult& result,
-                               const LoopConfiguration& configuration) {
+                               const cvg::LoopConfiguration& configuration) {
   const IdentificationReport& report = result.report;
   std::string text;
   for (const std::string& source : result.sources) text += source + "\n";
   const std::string failure = failureOf(report, configuration);
   if (!failure.empty() || !report.estimate) return text + "  not identified\n";
-  const ParameterEstimate& estimate = *report.estimate;
+  const cvg::ParameterEstimate& estimate = *report.estimate;
   addParameters(text, estimate);
   if (!report.nis.misfit().empty()) {
-    text += formatted("  %-12s no: the data do not fit the model, whatever the sigmas say\n",
-                      "converged");
+    text += cvg::formatted("  %-12s no: the data do not fit the model, whatever the sigmas say\n",
+                           "converged");
   } else {
     text += report.convergence_time
-                ? formatted("  %-12s after %.1f s\n", "converged", *report.convergence_time)
-                : formatted("  %-12s not within the data\n", "converged");
+                ? cvg::formatted("  %-12s after %.1f s\n", "converged", *report.convergence_time)
+                : cvg::formatted("  %-12s not within the data\n", "converged");
   }
-  text += formatted("  %-12s %.3f s in session %u, sequence %llu to %llu, %.2f turns of theta\n",
-                    "data", report.last.end() - report.first.end() + report.first.duration(),
-                    report.last.session, static_cast<unsigned long long>(report.first.sequence),
-                    static_cast<unsigned long long>(report.last.sequence),
-                    estimate.angle_covered / kTwoPi);
-  text += formatted("  %-12s %llu used, %llu dropped, %llu in gaps, %llu out of order\n", "blocks",
-                    static_cast<unsigned long long>(estimate.used_blocks),
-                    static_cast<unsigned long long>(estimate.rejected_blocks),
-                    static_cast<unsigned long long>(estimate.lost_blocks),
-                    static_cast<unsigned long long>(report.elements.steps_back));
+  text += cvg::formatted(
+      "  %-12s %.3f s in session %u, sequence %llu to %llu, %.2f turns of theta\n", "data",
+      report.last.end() - report.first.end() + report.first.duration(), report.last.session,
+      static_cast<unsigned long long>(report.first.sequence),
+      static_cast<unsigned long long>(report.last.sequence), estimate.angle_covered / cvg::kTwoPi);
+  text += cvg::formatted("  %-12s %llu used, %llu dropped, %llu in gaps, %llu out of order\n",
+                         "blocks", static_cast<unsigned long long>(estimate.used_blocks),
+                         static_cast<unsigned long long>(estimate.rejected_blocks),
+                         static_cast<unsigned long long>(estimate.lost_blocks),
+                         static_cast<unsigned long long>(report.elements.steps_back));
   const std::string unusable = unusableText(report.unusable);
-  if (!unusable.empty()) text += formatted("  %-12s %s\n", "unusable", unusable.c_str());
+  if (!unusable.empty()) text += cvg::formatted("  %-12s %s\n", "unusable", unusable.c_str());
   text += consistencyText("filter", report.nis.updates, report.nis.sum);
   text += consistencyText("  converged", report.nis.updates_converged, report.nis.sum_converged);
   return text;
 }
 
 std::string identificationJson(const std::vector<IdentificationResult>& results,
-                               const LoopConfiguration& configuration) {
+                               const cvg::LoopConfiguration& configuration) {
   const Json settings = settingsJson(configuration);
   Json runs = Json::array();
   for (const IdentificationResult& result : results) {
@@ -400,4 +404,4 @@ std::string identificationJson(const std::vector<IdentificationResult>& results,
   return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

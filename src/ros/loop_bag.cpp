@@ -7,7 +7,7 @@
 
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
 template <typename Message>
@@ -28,9 +28,8 @@ class WholeMessage {
   }
 
  private:
-  std::uint32_t elements_ =
-      ros::serialization::serializationLength(ring_gyro_msgs::OrbitalElements());
-  std::uint32_t gains_ = ros::serialization::serializationLength(ring_gyro_msgs::ControlGains());
+  std::uint32_t elements_ = ros::serialization::serializationLength(ring_gyro::OrbitalElements());
+  std::uint32_t gains_ = ros::serialization::serializationLength(ring_gyro::ControlGains());
 };
 
 bool contains(const std::vector<std::uint32_t>& list, std::uint32_t value) {
@@ -50,17 +49,17 @@ bool hasName(const std::string& topic, const std::string& name) {
 
 }  // namespace
 
-void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::OrbitalElements& message) {
+void deserialise(const SerialisedMessage& serialised, ring_gyro::OrbitalElements& message) {
   take(serialised, message);
 }
 
-void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::ControlGains& message) {
+void deserialise(const SerialisedMessage& serialised, ring_gyro::ControlGains& message) {
   take(serialised, message);
 }
 
 LoopBag::LoopBag(std::string path, const LoopTopics& topics) : file_(std::move(path)) {
-  elements_ = choose<ring_gyro_msgs::OrbitalElements>(topics.elements, topics::kOrbitalElements);
-  gains_ = choose<ring_gyro_msgs::ControlGains>(topics.gains, topics::kControlGains);
+  elements_ = choose<ring_gyro::OrbitalElements>(topics.elements, topics::kOrbitalElements);
+  gains_ = choose<ring_gyro::ControlGains>(topics.gains, topics::kControlGains);
 }
 
 void LoopBag::fail(const std::string& what) const { throw BagError(path() + ": " + what); }
@@ -121,8 +120,8 @@ LoopBag::Content LoopBag::content(const ros::Time& from, const ros::Time& to) co
 
 void LoopBag::read(const OnElements& on_elements, const OnGains& on_gains, const ros::Time& from,
                    const ros::Time& to, BagSinks others) {
-  ring_gyro_msgs::OrbitalElements elements;
-  ring_gyro_msgs::ControlGains gains;
+  ring_gyro::OrbitalElements elements;
+  ring_gyro::ControlGains gains;
   read(
       [&](const SerialisedMessage& message) {
         if (message.is_elements) {
@@ -162,4 +161,4 @@ void LoopBag::read(const OnSerialised& on_message, const ros::Time& from, const 
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

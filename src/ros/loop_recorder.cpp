@@ -3,7 +3,7 @@
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 LoopRecorder::LoopRecorder(const std::string& path, bool raw) : writer_(path), raw_(raw) {}
 
@@ -13,7 +13,7 @@ void LoopRecorder::write(const char* topic, Message& message) {
   ++message.header.seq;  // counts, as that of a publisher does
 }
 
-void LoopRecorder::write(const LoopRecord& record) {
+void LoopRecorder::write(const cvg::LoopRecord& record) {
   if (raw_) {
     toMessage(record.displacement, displacement_);
     write(topics::kDisplacement, displacement_);
@@ -36,9 +36,9 @@ void LoopRecorder::write(const LoopRecord& record) {
   }
 }
 
-void LoopRecorder::finish(const BlockStamp& last, bool cut) {
+void LoopRecorder::finish(const cvg::BlockStamp& last, bool cut) {
   if (!cut) {
-    ring_gyro_msgs::EndOfRun end;
+    ring_gyro::EndOfRun end;
     end.header.stamp = timeFromNanoseconds(last.end_ns);
     end.session = last.session;
     end.last_sequence = last.sequence;
@@ -47,4 +47,4 @@ void LoopRecorder::finish(const BlockStamp& last, bool cut) {
   writer_.finish();
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

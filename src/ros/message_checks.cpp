@@ -8,7 +8,7 @@
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/ros/conversions.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
 constexpr double kLargest = 1e12;  // the identifier's limit: no square of it overflows later
@@ -23,8 +23,8 @@ struct Field {
 };
 
 MessageFault impossible(const char* field, double value, const char* reason, const char* allowed) {
-  return {Refusal::kImpossible, field, reason,
-          formatted("%s = %.9g %s; allowed: %s", field, value, reason, allowed)};
+  return {cvg::Refusal::kImpossible, field, reason,
+          cvg::formatted("%s = %.9g %s; allowed: %s", field, value, reason, allowed)};
 }
 
 /// Of fields whose sum of magnitudes is not below the limit: which.
@@ -33,15 +33,16 @@ MessageFault notFinite(const Field* fields, std::size_t size) {
   for (std::size_t i = 0; i < size; ++i) {
     const Field& field = fields[i];
     if (!std::isfinite(field.value)) {
-      return {Refusal::kNotFinite, field.name, "is not finite",
-              formatted("%s = %g is not finite; have its publisher send a number, or no message",
-                        field.name, field.value)};
+      return {
+          cvg::Refusal::kNotFinite, field.name, "is not finite",
+          cvg::formatted("%s = %g is not finite; have its publisher send a number, or no message",
+                         field.name, field.value)};
     }
     if (std::abs(field.value) > std::abs(largest->value)) largest = &field;
   }
-  return {Refusal::kNotFinite, largest->name, "is absurdly large",
-          formatted("%s = %g is absurdly large; allowed: below %g in SI units", largest->name,
-                    largest->value, kLargest)};
+  return {cvg::Refusal::kNotFinite, largest->name, "is absurdly large",
+          cvg::formatted("%s = %g is absurdly large; allowed: below %g in SI units", largest->name,
+                         largest->value, kLargest)};
 }
 
 /// Fields that must be finite and of a size that can be squared.
@@ -60,14 +61,14 @@ MessageFault faultOfDuration(std::uint64_t duration) {
 }
 
 std::string textOf(const Eigen::Vector2cd& envelope) {
-  return formatted("(%.9g%+.9gi, %.9g%+.9gi) V", envelope[0].real(), envelope[0].imag(),
-                   envelope[1].real(), envelope[1].imag());
+  return cvg::formatted("(%.9g%+.9gi, %.9g%+.9gi) V", envelope[0].real(), envelope[0].imag(),
+                        envelope[1].real(), envelope[1].imag());
 }
 
-using Envelope = ring_gyro_msgs::Envelope;
+using Envelope = ring_gyro::Envelope;
 
 /// Of four parts and their total.
-MessageFault faultOfDrive(const ring_gyro_msgs::ControlGains& m) {
+MessageFault faultOfDrive(const ring_gyro::ControlGains& m) {
   const auto difference = [&m](double Envelope::*part, double& size, bool& any_part) {
     const double sustain = m.sustain.*part, quadrature = m.quadrature.*part;
     const double steering = m.steering.*part, compensation = m.compensation.*part;
@@ -88,7 +89,7 @@ MessageFault faultOfDrive(const ring_gyro_msgs::ControlGains& m) {
   };
   const Eigen::Vector2cd parts = envelope(m.sustain) + envelope(m.quadrature) +
                                  envelope(m.steering) + envelope(m.compensation);
-  return {Refusal::kContradiction, "drive", "is not the sum of its parts",
+  return {cvg::Refusal::kContradiction, "drive", "is not the sum of its parts",
           "drive = " + textOf(envelope(m.drive)) + " is not the sum of its parts, " +
               textOf(parts) +
               "; send the total that was asked for with parts that add up to it, or with parts "
@@ -112,7 +113,7 @@ MessageFault faultOfEffect(std::uint64_t effective_sequence, std::uint64_t data_
                     "is not after data_sequence", "a block after the data that it came from");
 }
 
-MessageFault faultOf(const ring_gyro_msgs::Calibration& m) {
+MessageFault faultOf(const ring_gyro::Calibration& m) {
   if (MessageFault fault =
           faultOfNumbers({{"calibration.pickoff_cubic", m.pickoff_cubic},
                           {"calibration.drive_phase", m.drive_phase},
@@ -138,7 +139,7 @@ MessageFault faultOf(const ring_gyro_msgs::Calibration& m) {
 
 }  // namespace
 
-MessageFault faultOf(const ring_gyro_msgs::DisplacementBlock& m) {
+MessageFault faultOf(const ring_gyro::DisplacementBlock& m) {
   if (MessageFault fault = faultOfNumbers({{"reference_phase", m.reference_phase},
                                            {"reference_frequency", m.reference_frequency}})) {
     return fault;
@@ -159,7 +160,7 @@ MessageFault faultOf(const ring_gyro_msgs::DisplacementBlock& m) {
   return faultOfDuration(m.duration);
 }
 
-MessageFault faultOf(const ring_gyro_msgs::DriveCommand& m) {
+MessageFault faultOf(const ring_gyro::DriveCommand& m) {
   if (MessageFault fault = faultOfNumbers({{"reference_phase", m.reference_phase},
                                            {"reference_frequency", m.reference_frequency},
                                            {"envelope.x_real", m.envelope.x_real},
@@ -174,7 +175,7 @@ MessageFault faultOf(const ring_gyro_msgs::DriveCommand& m) {
                     "> 0 [rad/s]");
 }
 
-MessageFault faultOf(const ring_gyro_msgs::OrbitalElements& m) {
+MessageFault faultOf(const ring_gyro::OrbitalElements& m) {
   if (MessageFault fault = faultOfNumbers({{"group_delay", m.group_delay},
                                            {"a", m.a},
                                            {"b", m.b},
@@ -191,7 +192,7 @@ MessageFault faultOf(const ring_gyro_msgs::OrbitalElements& m) {
   return faultOfDuration(m.duration);
 }
 
-MessageFault faultOf(const ring_gyro_msgs::ControlGains& m) {
+MessageFault faultOf(const ring_gyro::ControlGains& m) {
   if (MessageFault fault = faultOfNumbers({{"reference_frequency", m.reference_frequency},
                                            {"reference_phase", m.reference_phase},
                                            {"beta", m.beta},
@@ -228,7 +229,7 @@ MessageFault faultOf(const ring_gyro_msgs::ControlGains& m) {
   return faultOfDuration(m.duration);
 }
 
-MessageFault faultOf(const ring_gyro_msgs::ParameterEstimate& m) {
+MessageFault faultOf(const ring_gyro::ParameterEstimate& m) {
   const auto numbers = [](const char* field, const auto& values) -> MessageFault {
     for (const double value : values) {
       if (std::isfinite(value)) continue;
@@ -273,20 +274,20 @@ MessageFault faultOf(const ring_gyro_msgs::ParameterEstimate& m) {
   return faultOfDuration(m.duration);
 }
 
-MessageFault faultOf(const ring_gyro_msgs::CompensationGains& m) {
+MessageFault faultOf(const ring_gyro::CompensationGains& m) {
   if (MessageFault fault = faultOfNumbers({{"gain_1", m.gain_1},
                                            {"gain_2", m.gain_2},
                                            {"gamma_1", m.gamma_1},
                                            {"gamma_2", m.gamma_2}})) {
     return fault;
   }
-  if (m.state > ring_gyro_msgs::CompensationGains::LIMITED) {
+  if (m.state > ring_gyro::CompensationGains::LIMITED) {
     return impossible("state", m.state, "is no state", "0 to 4");
   }
   return faultOfEffect(m.effective_sequence, m.data_sequence);
 }
 
-MessageFault faultOf(const ring_gyro_msgs::CalibrationCommand& m) {
+MessageFault faultOf(const ring_gyro::CalibrationCommand& m) {
   if (MessageFault fault =
           faultOfNumbers({{"virtual_rate", m.virtual_rate},
                           {"table_rate", m.table_rate},
@@ -307,7 +308,7 @@ MessageFault faultOf(const ring_gyro_msgs::CalibrationCommand& m) {
   return faultOfEffect(m.effective_sequence, m.data_sequence);
 }
 
-MessageFault faultOf(const ring_gyro_msgs::PlantTruth& m) {
+MessageFault faultOf(const ring_gyro::PlantTruth& m) {
   if (MessageFault fault = faultOfNumbers({{"envelope.x_real", m.envelope.x_real},
                                            {"envelope.x_imag", m.envelope.x_imag},
                                            {"envelope.y_real", m.envelope.y_real},
@@ -336,12 +337,12 @@ MessageFault faultOf(const ring_gyro_msgs::PlantTruth& m) {
   return faultOfDuration(m.duration);
 }
 
-MessageFault readChecked(const ring_gyro_msgs::OrbitalElements& message,
-                         OrbitalElements& elements) {
+MessageFault readChecked(const ring_gyro::OrbitalElements& message,
+                         cvg::OrbitalElements& elements) {
   fromMessage(message, elements);
   MessageFault fault = faultOf(message);
   if (fault) {
-    OrbitalElements refused;
+    cvg::OrbitalElements refused;
     refused.stamp = elements.stamp;
     refused.status = elements.status;
     refused.status.refused = fault.kind;
@@ -350,11 +351,11 @@ MessageFault readChecked(const ring_gyro_msgs::OrbitalElements& message,
   return fault;
 }
 
-MessageFault readChecked(const ring_gyro_msgs::ControlGains& message, ControlGains& gains) {
+MessageFault readChecked(const ring_gyro::ControlGains& message, cvg::ControlGains& gains) {
   fromMessage(message, gains);
   MessageFault fault = faultOf(message);
   if (fault) {
-    ControlGains refused;
+    cvg::ControlGains refused;
     refused.stamp = gains.stamp;
     refused.status = gains.status;
     refused.status.refused = fault.kind;
@@ -363,4 +364,4 @@ MessageFault readChecked(const ring_gyro_msgs::ControlGains& message, ControlGai
   return fault;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

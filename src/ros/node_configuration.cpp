@@ -10,7 +10,7 @@
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/configuration/parameter_text.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 namespace {
 
 YAML::Node yamlFrom(XmlRpc::XmlRpcValue& value) {
@@ -20,7 +20,7 @@ YAML::Node yamlFrom(XmlRpc::XmlRpcValue& value) {
     case XmlRpc::XmlRpcValue::TypeInt:
       return YAML::Node(std::to_string(static_cast<int&>(value)));
     case XmlRpc::XmlRpcValue::TypeDouble:
-      return YAML::Node(textFromNumber(static_cast<double&>(value)));
+      return YAML::Node(cvg::textFromNumber(static_cast<double&>(value)));
     case XmlRpc::XmlRpcValue::TypeString:
       return YAML::Node(static_cast<std::string&>(value));
     case XmlRpc::XmlRpcValue::TypeArray: {
@@ -39,7 +39,7 @@ YAML::Node yamlFrom(XmlRpc::XmlRpcValue& value) {
 }
 
 /// ROS runs nodes in a folder of its own, where nobody looks for a file.
-void requireWholePaths(const NodeParameters& node) {
+void requireWholePaths(const cvg::NodeParameters& node) {
   std::vector<std::string> faults;
   const auto check = [&faults](const char* key, const std::string& path) {
     if (path.empty() || path[0] == '/') return;
@@ -54,7 +54,7 @@ void requireWholePaths(const NodeParameters& node) {
   check("node/calibration_file", node.calibration_file);
   check("node/report", node.report);
   check("node/replay", node.replay);
-  if (!faults.empty()) throw ConfigurationError(std::move(faults));
+  if (!faults.empty()) throw cvg::ConfigurationError(std::move(faults));
 }
 
 }  // namespace
@@ -74,15 +74,15 @@ YAML::Node parametersOf(const ros::NodeHandle& private_handle) {
 
 NodeConfiguration readNodeConfiguration(const ros::NodeHandle& private_handle) {
   NodeConfiguration configuration;
-  configuration.loop = readConfiguration(parametersOf(private_handle), &configuration.node);
-  const NodeParameters& node = configuration.node;
+  configuration.loop = cvg::readConfiguration(parametersOf(private_handle), &configuration.node);
+  const cvg::NodeParameters& node = configuration.node;
   configuration.loop.files = {node.configuration_file, node.calibration_read,
                               configuration.loop.plant.rotation.file};
   requireWholePaths(node);
   std::vector<std::string> inputs = configuration.loop.files;
   inputs.push_back(node.replay);
-  requireApart({node.bag, node.calibration_file, node.report}, inputs);
+  cvg::requireApart({node.bag, node.calibration_file, node.report}, inputs);
   return configuration;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -10,7 +10,7 @@
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/pair_merge.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTopics& topics,
                             double start, double duration) {
@@ -25,31 +25,31 @@ RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTop
   RecordedRun run;
   // Rotation of the case by session and sequence, where there is one.
   std::map<std::pair<std::uint32_t, std::uint64_t>, double> rotation;
-  const auto on_truth = [&](const PlantTruth& truth) {
+  const auto on_truth = [&](const cvg::PlantTruth& truth) {
     if (truth.rotation_rate != 0.0) {
       rotation[{truth.stamp.session, truth.stamp.sequence}] = truth.rotation_rate;
     }
     run.truth = truth;
   };
-  PairMerge merge([&](const OrbitalElements& elements, const ControlGains& gains) {
+  PairMerge merge([&](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
     run.pairs.push_back({elements, gains});
   });
-  OrbitalElements elements;
-  ControlGains gains;
+  cvg::OrbitalElements elements;
+  cvg::ControlGains gains;
   const auto asked_for = [&](const ros::Time& time) { return time >= from && time <= to; };
   for (LoopBag& bag : bags) {
     BagSinks truth;
     RefusedMessages refused;  // the truth is only for comparison
-    addSignals<ring_gyro_msgs::PlantTruth, PlantTruth>(bag.file(), on_truth, truth, refused);
+    addSignals<ring_gyro::PlantTruth, cvg::PlantTruth>(bag.file(), on_truth, truth, refused);
     // The truth is that of the whole run, whatever part is asked for.
     const bool in_part = truth.empty();
     bag.read(
-        [&](const ring_gyro_msgs::OrbitalElements& message, const ros::Time& time) {
+        [&](const ring_gyro::OrbitalElements& message, const ros::Time& time) {
           if (!asked_for(time)) return;
           readChecked(message, elements);
           merge.add(elements);
         },
-        [&](const ring_gyro_msgs::ControlGains& message, const ros::Time& time) {
+        [&](const ring_gyro::ControlGains& message, const ros::Time& time) {
           if (!asked_for(time)) return;
           readChecked(message, gains);
           merge.add(gains);
@@ -70,4 +70,4 @@ RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTop
   return run;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -2,10 +2,10 @@
 
 #include "ring_gyro/ros/messages.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 void addRunEnds(const BagFile& bag, RunEnds& ends, BagSinks& sinks) {
-  using ring_gyro_msgs::EndOfRun;
+  using ring_gyro::EndOfRun;
   for (const BagConnection& connection : bag.connections()) {
     if (connection.md5 != ros::message_traits::md5sum<EndOfRun>()) continue;
     sinks[connection.id] = [&ends](const BagMessage& found) {
@@ -21,4 +21,4 @@ void addRunEnds(const BagFile& bag, RunEnds& ends, BagSinks& sinks) {
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

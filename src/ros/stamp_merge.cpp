@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 std::size_t StampMerge::addTopic(Topic topic) {
   queues_.emplace_back();
@@ -72,4 +72,4 @@ void StampMerge::goOn(Queue& queue) {
   next.write();
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -3,19 +3,19 @@
 #include <string>
 #include <utility>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
-StreamIdentifier::StreamIdentifier(const LoopConfiguration& configuration, Sink sink,
+StreamIdentifier::StreamIdentifier(const cvg::LoopConfiguration& configuration, Sink sink,
                                    std::uint64_t start_sequence)
     : identifier_(configuration.identification, configuration.converter),
-      merge_([this](const OrbitalElements& elements, const ControlGains& gains) {
+      merge_([this](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
         process(elements, gains);
       }),
       sink_(std::move(sink)),
       start_sequence_(start_sequence),
       block_duration_ns_(configuration.converter.blockDurationNanoseconds()) {}
 
-MessageFault StreamIdentifier::add(const ring_gyro_msgs::OrbitalElements& message) {
+MessageFault StreamIdentifier::add(const ring_gyro::OrbitalElements& message) {
   MessageFault fault = readChecked(message, elements_);
   if (fault && report_.first_refused.empty()) {
     report_.first_refused =
@@ -25,7 +25,7 @@ MessageFault StreamIdentifier::add(const ring_gyro_msgs::OrbitalElements& messag
   return fault;
 }
 
-MessageFault StreamIdentifier::add(const ring_gyro_msgs::ControlGains& message) {
+MessageFault StreamIdentifier::add(const ring_gyro::ControlGains& message) {
   MessageFault fault = readChecked(message, gains_);
   if (fault && report_.first_refused.empty()) {
     report_.first_refused =
@@ -43,7 +43,8 @@ void StreamIdentifier::flush() {
   report_.alone_at_end += after.gains_alone - before.gains_alone;
 }
 
-void StreamIdentifier::process(const OrbitalElements& elements, const ControlGains& gains) {
+void StreamIdentifier::process(const cvg::OrbitalElements& elements,
+                               const cvg::ControlGains& gains) {
   const PairMerge::Counts& counts = merge_.counts();
   if (counts.pairs == 1) report_.alone_at_start = counts.elements_alone + counts.gains_alone;
   report_.last = elements.stamp;
@@ -52,7 +53,7 @@ void StreamIdentifier::process(const OrbitalElements& elements, const ControlGai
     return;
   }
   const std::uint64_t restarts = identifier_.restarts();
-  const ParameterEstimate* const estimate = identifier_.process(elements, gains);
+  const cvg::ParameterEstimate* const estimate = identifier_.process(elements, gains);
   if (!started_ || identifier_.restarts() != restarts) {
     report_.first = elements.stamp;
     report_.convergence_time.reset();
@@ -66,20 +67,20 @@ void StreamIdentifier::process(const OrbitalElements& elements, const ControlGai
 }
 
 /// By the identifier's own rule: what it does not count as usable it does not use.
-void StreamIdentifier::count(const OrbitalElements& elements, const ControlGains& gains) {
-  const BlockUse use = identifier_.lastUse();
-  if (use == BlockUse::kUsable) {
+void StreamIdentifier::count(const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
+  const cvg::BlockUse use = identifier_.lastUse();
+  if (use == cvg::BlockUse::kUsable) {
     ++report_.usable;
     report_.frequency_sum += gains.reference_frequency;
   } else {
-    if (use == BlockUse::kWrongDuration && report_.unusable.wrong_duration == 0) {
+    if (use == cvg::BlockUse::kWrongDuration && report_.unusable.wrong_duration == 0) {
       report_.wrong_duration_ns = elements.stamp.duration_ns;
     }
     report_.unusable.add(use);
   }
 }
 
-void StreamIdentifier::account(const ParameterEstimate& estimate) {
+void StreamIdentifier::account(const cvg::ParameterEstimate& estimate) {
   report_.estimate = estimate;
   if (estimate.updated) {
     report_.nis.add(estimate.normalised_innovation_squared, report_.convergence_time.has_value());
@@ -100,4 +101,4 @@ IdentificationReport StreamIdentifier::report() const {
   return report;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -12,7 +12,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kLockTime = 30.0;  // allowed for ring-up and lock, in decay times and at least [s]
@@ -137,4 +137,4 @@ CalibrationJudgement judgeCalibration(LoopConfiguration configuration, double ra
   return judgement;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

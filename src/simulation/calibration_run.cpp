@@ -1,6 +1,6 @@
 #include "ring_gyro/simulation/calibration_run.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 CalibrationRun::CalibrationRun(const LoopConfiguration& configuration)
     : plant_(configuration.plant, configuration.converter,
@@ -33,4 +33,4 @@ double CalibrationRun::time() const {
   return started_ ? 1e-9 * static_cast<double>(truth_.stamp.end_ns - start_ns_) : 0.0;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -1,6 +1,6 @@
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 ClosedLoop::ClosedLoop(const LoopConfiguration& configuration)
     : plant_(configuration.plant, configuration.converter,
@@ -37,4 +37,4 @@ double ClosedLoop::time() const {
   return started_ ? 1e-9 * static_cast<double>(end_ns_ - start_ns_) : 0.0;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 // A parameter server carries 32-bit integers and message stamps unsigned 32-bit seconds.
@@ -106,4 +106,4 @@ std::uint64_t LoopConfiguration::periodBlocks() const {
   return static_cast<std::uint64_t>(Identifier(identification, converter).periodBlocks());
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 TuningPass identify(const LoopConfiguration& configuration, const TuningOptions& options) {
@@ -92,4 +92,4 @@ std::vector<TuningPass> tuneModes(LoopConfiguration configuration, const TuningO
   return passes;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

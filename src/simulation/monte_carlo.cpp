@@ -11,7 +11,7 @@
 #include "ring_gyro/simulation/closed_loop.h"
 #include "ring_gyro/simulation/random_device.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kTwoSided95 = 1.959963984540054;  // standard deviations
@@ -156,4 +156,4 @@ MonteCarloSummary summarise(const std::vector<MonteCarloItem>& items) {
   return summary;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr double kDriveRange = 10.0;       // [V]
@@ -89,4 +89,4 @@ LoopConfiguration randomDevice(const LoopConfiguration& base, std::uint64_t inde
   return result;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

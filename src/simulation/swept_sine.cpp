@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/angle.h"
 
-namespace ring_gyro {
+namespace cvg {
 namespace {
 
 constexpr std::int64_t kStart = 1000000000;  // [ns]; any time but zero
@@ -105,4 +105,4 @@ RingDown recordRingDown(const PlantParameters& plant, const ConverterParameters&
   return ring_down;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

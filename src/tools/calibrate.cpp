@@ -21,20 +21,20 @@
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/calibration_run.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
 
-using Result = std::function<void(const CalibrationResult&)>;
+using Result = std::function<void(const cvg::CalibrationResult&)>;
 
 /// `found`: takes what there is so far, each time that there is more.
-CalibrationResult calibrate(const LoopConfiguration& configuration, const Result& found) {
-  CalibrationRun run(configuration);
+cvg::CalibrationResult calibrate(const cvg::LoopConfiguration& configuration, const Result& found) {
+  cvg::CalibrationRun run(configuration);
   ProgressBar progress(0.0);
   std::string leg;
   while (true) {
-    const CalibrationRun::Step step = run.step();
+    const cvg::CalibrationRun::Step step = run.step();
     progress.show(run.time());
     if (!step.command) continue;
     if (!step.command->failure.empty()) throw std::runtime_error(step.command->failure);
@@ -51,7 +51,7 @@ CalibrationResult calibrate(const LoopConfiguration& configuration, const Result
 }
 
 /// What was measured, SI units; the corrections themselves are in the YAML.
-nlohmann::json jsonOf(const CalibrationResult& result) {
+nlohmann::json jsonOf(const cvg::CalibrationResult& result) {
   nlohmann::json json = {{"duration", result.duration},
                          {"steering_rate", result.steering_rate},
                          {"natural_frequency", result.natural_frequency},
@@ -59,27 +59,27 @@ nlohmann::json jsonOf(const CalibrationResult& result) {
                          {"drive_gain", result.drive_gain},
                          {"angular_gain", result.angular_gain},
                          {"angle_map_measured", result.angle_map_measured},
-                         {"angle_map", jsonOf(result.calibration.angle_map)}};
-  for (const IdentifiedParameter& parameter : result.parameters) {
+                         {"angle_map", tools::jsonOf(result.calibration.angle_map)}};
+  for (const cvg::IdentifiedParameter& parameter : result.parameters) {
     json["parameters"][parameter.name] = {{"value", parameter.value}, {"sigma", parameter.sigma}};
   }
-  for (const DriftRound& round : result.drift_rounds) {
+  for (const cvg::DriftRound& round : result.drift_rounds) {
     json["drift_rounds"].push_back({{"peak_to_peak", round.peak_to_peak},
                                     {"sigma", round.sigma},
-                                    {"measured", jsonOf(round.measured)}});
+                                    {"measured", tools::jsonOf(round.measured)}});
   }
-  for (const Verification& verification : result.verifications) {
+  for (const cvg::Verification& verification : result.verifications) {
     json["verifications"].push_back({{"rate", verification.rate},
                                      {"forward_peak", verification.forward_peak},
                                      {"backward_peak", verification.backward_peak},
                                      {"forward_scale", verification.forward_scale},
                                      {"backward_scale", verification.backward_scale},
                                      {"drift_peak_to_peak", verification.drift_peak_to_peak},
-                                     {"drift", jsonOf(verification.drift)}});
+                                     {"drift", tools::jsonOf(verification.drift)}});
   }
   if (!result.missing.empty()) json["missing"] = result.missing;
   if (result.threshold) {
-    const ThresholdTest& test = *result.threshold;
+    const cvg::ThresholdTest& test = *result.threshold;
     json["threshold"] = {{"threshold", test.threshold}, {"worst_angle", test.worst_angle},
                          {"rate", test.rate},           {"turned", test.turned},
                          {"expected", test.expected},   {"followed", test.followed()}};
@@ -87,19 +87,22 @@ nlohmann::json jsonOf(const CalibrationResult& result) {
   return json;
 }
 
-void run(const LoopConfiguration& configuration, const std::string& output_file,
+void run(const cvg::LoopConfiguration& configuration, const std::string& output_file,
          const std::string& json_file) {
-  StagedFile output(output_file);
-  StagedFile json(json_file);
-  const auto textOf = [](const CalibrationResult& result) { return jsonOf(result).dump(1) + "\n"; };
+  cvg::StagedFile output(output_file);
+  cvg::StagedFile json(json_file);
+  const auto textOf = [](const cvg::CalibrationResult& result) {
+    return jsonOf(result).dump(1) + "\n";
+  };
   try {
-    const CalibrationResult result = calibrate(configuration, [&](const CalibrationResult& found) {
-      json.keep(textOf(found));
-      output.keep(calibrationYaml(found, configuration.device));
-    });
-    std::printf("\n%s", calibrationText(result).c_str());
+    const cvg::CalibrationResult result =
+        calibrate(configuration, [&](const cvg::CalibrationResult& found) {
+          json.keep(textOf(found));
+          output.keep(cvg::calibrationYaml(found, configuration.device));
+        });
+    std::printf("\n%s", cvg::calibrationText(result).c_str());
     json.finish(textOf(result));
-    output.finish(calibrationYaml(result, configuration.device));
+    output.finish(cvg::calibrationYaml(result, configuration.device));
   } catch (const std::exception& error) {
     if (output.kept().empty()) throw;
     throw std::runtime_error(std::string(error.what()) + "; what had been found is in " +
@@ -109,10 +112,10 @@ void run(const LoopConfiguration& configuration, const std::string& output_file,
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace ring_gyro::tools;
   try {
     ConfigurationOptions configuration_options;
     std::string output_file;
@@ -129,8 +132,8 @@ int main(int argc, char** argv) {
       std::cout << "usage: calibrate --config FILE --output CALIBRATION.yaml\n" << description;
       return EXIT_SUCCESS;
     }
-    const LoopConfiguration configuration = configuration_options.read();
-    requireApart({output_file, json_file}, configuration.files);
+    const cvg::LoopConfiguration configuration = configuration_options.read();
+    cvg::requireApart({output_file, json_file}, configuration.files);
     run(configuration, output_file, json_file);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -1,6 +1,6 @@
 #include "command_line.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 
 namespace options = boost::program_options;
 
@@ -17,4 +17,4 @@ options::variables_map parseCommandLine(int argc, char** argv,
   return values;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

@@ -25,7 +25,7 @@
 #include "ring_gyro/identification/identifier.h"
 #include "ring_gyro/ros/recorded_run.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -65,7 +65,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
-using Pair = RecordedPair;
+using Pair = bridge::RecordedPair;
 
 /// gamma1, gamma2, mu1, mu2, ks, Q.
 using Figures = std::array<double, 6>;
@@ -82,16 +82,16 @@ struct Method {
   std::function<Estimate(const std::vector<Pair>&)> run;
 };
 
-Estimate runSevenStates(IdentificationParameters parameters, const ConverterParameters& converter,
-                        const std::vector<Pair>& pairs) {
-  Identifier identifier(parameters, converter);
+Estimate runSevenStates(cvg::IdentificationParameters parameters,
+                        const cvg::ConverterParameters& converter, const std::vector<Pair>& pairs) {
+  cvg::Identifier identifier(parameters, converter);
   Estimate result;
   for (const Pair& pair : pairs) {
     const auto estimate = identifier.process(pair.elements, pair.gains);
     if (!estimate || !estimate->updated) continue;
     result.found = true;
     for (int k = 0; k < 5; ++k) {
-      const auto state = static_cast<StateIndex>(kGamma1 + k);
+      const auto state = static_cast<cvg::StateIndex>(cvg::kGamma1 + k);
       result.value[static_cast<std::size_t>(k)] = estimate->value[state];
       result.sigma[static_cast<std::size_t>(k)] = estimate->sigma(state);
     }
@@ -100,8 +100,8 @@ Estimate runSevenStates(IdentificationParameters parameters, const ConverterPara
   return result;
 }
 
-Estimate figuresOf(const ExtendedState& state, const ExtendedVector& value,
-                   const ExtendedMatrix& covariance, double told_quality) {
+Estimate figuresOf(const cvg::ExtendedState& state, const cvg::ExtendedVector& value,
+                   const cvg::ExtendedMatrix& covariance, double told_quality) {
   Estimate result;
   result.found = true;
   for (Eigen::Index k = 0; k < 5; ++k) {
@@ -112,48 +112,51 @@ Estimate figuresOf(const ExtendedState& state, const ExtendedVector& value,
   result.value[5] = told_quality;
   if (at >= 0) {
     const int frequency_at = state.layout().frequency;
-    const double w0 = frequency_at < 0 ? state.nominalFrequency() : kTwoPi * value[frequency_at];
+    const double w0 =
+        frequency_at < 0 ? state.nominalFrequency() : cvg::kTwoPi * value[frequency_at];
     result.value[5] = 0.5 * w0 / value[at];
     result.sigma[5] = result.value[5] * std::sqrt(covariance(at, at)) / value[at];
   }
   return result;
 }
 
-Estimate runExtended(const ExtendedParameters& parameters, const ConverterParameters& converter,
-                     double angular_gain, const std::vector<Pair>& pairs) {
-  ExtendedIdentifier identifier(parameters, converter);
-  std::optional<ExtendedEstimate> last;
+Estimate runExtended(const cvg::ExtendedParameters& parameters,
+                     const cvg::ConverterParameters& converter, double angular_gain,
+                     const std::vector<Pair>& pairs) {
+  cvg::ExtendedIdentifier identifier(parameters, converter);
+  std::optional<cvg::ExtendedEstimate> last;
   for (const Pair& pair : pairs) {
     auto estimate =
         identifier.process(pair.elements, pair.gains, angular_gain * pair.rotation_rate);
     if (estimate && estimate->scaled) last = estimate;
   }
   if (!last) return {};
-  return figuresOf(ExtendedState(parameters), last->value, last->covariance,
+  return figuresOf(cvg::ExtendedState(parameters), last->value, last->covariance,
                    parameters.quality_factor);
 }
 
-Estimate runBatch(const ExtendedParameters& parameters, const ConverterParameters& converter,
-                  double angular_gain, const std::vector<Pair>& pairs) {
-  BatchLeastSquares fit(parameters, converter);
+Estimate runBatch(const cvg::ExtendedParameters& parameters,
+                  const cvg::ConverterParameters& converter, double angular_gain,
+                  const std::vector<Pair>& pairs) {
+  cvg::BatchLeastSquares fit(parameters, converter);
   for (const Pair& pair : pairs) {
     fit.add(pair.elements, pair.gains, angular_gain * pair.rotation_rate);
   }
-  const BatchEstimate estimate = fit.solve();
+  const cvg::BatchEstimate estimate = fit.solve();
   if (!estimate.converged) return {};
-  return figuresOf(ExtendedState(parameters), estimate.value, estimate.covariance,
+  return figuresOf(cvg::ExtendedState(parameters), estimate.value, estimate.covariance,
                    parameters.quality_factor);
 }
 
-std::vector<Method> methods(const LoopConfiguration& configuration,
-                            const std::optional<PlantTruth>& truth) {
-  const ConverterParameters& converter = configuration.converter;
+std::vector<Method> methods(const cvg::LoopConfiguration& configuration,
+                            const std::optional<cvg::PlantTruth>& truth) {
+  const cvg::ConverterParameters& converter = configuration.converter;
   const double angular_gain = configuration.device.angular_gain;
   std::vector<Method> result;
   for (const double quality : {1.0, 1.5}) {
     const std::string start = quality == 1.0 ? "as told" : "Q 1.5x";
     for (const char* tuning : {"paper", "derived"}) {
-      IdentificationParameters parameters = configuration.identification;
+      cvg::IdentificationParameters parameters = configuration.identification;
       parameters.tuning = tuning;
       parameters.quality_factor *= quality;
       result.push_back({"EKF, " + std::string(tuning), start, [=](const std::vector<Pair>& pairs) {
@@ -162,7 +165,7 @@ std::vector<Method> methods(const LoopConfiguration& configuration,
     }
   }
   for (const std::string start : {"as told", "Q 1.5x", "ks 10x, -gamma"}) {
-    ExtendedParameters parameters = configuration.extended;
+    cvg::ExtendedParameters parameters = configuration.extended;
     if (start == "Q 1.5x") parameters.quality_factor *= 1.5;
     if (start == "ks 10x, -gamma") {
       parameters.initial_drive_gain = 10.0 * configuration.device.drive_gain;
@@ -220,7 +223,8 @@ void print(const std::vector<Row>& rows) {
   }
 }
 
-std::vector<Row> compare(const RecordedRun& run, const LoopConfiguration& configuration) {
+std::vector<Row> compare(const bridge::RecordedRun& run,
+                         const cvg::LoopConfiguration& configuration) {
   std::vector<Row> rows;
   for (const Method& method : methods(configuration, run.truth)) {
     Row row{method.name, method.start, false, std::nullopt, {}, 0.0};
@@ -231,7 +235,7 @@ std::vector<Row> compare(const RecordedRun& run, const LoopConfiguration& config
     if (estimate.found) {
       row.sigma = sizes(estimate.sigma, estimate.value[4], estimate.value[5]);
       if (run.truth) {
-        const PlantTruth& truth = *run.truth;
+        const cvg::PlantTruth& truth = *run.truth;
         const Figures right{truth.gamma1, truth.gamma2,     truth.mu1,
                             truth.mu2,    truth.drive_gain, truth.quality_factor};
         Figures error;
@@ -275,12 +279,13 @@ std::vector<Row> summarise(const std::vector<std::vector<Row>>& runs) {
 }
 
 int run(const Arguments& arguments) {
-  const LoopConfiguration configuration = arguments.device.read();
+  const cvg::LoopConfiguration configuration = arguments.device.read();
   std::vector<std::vector<Row>> runs;
   bool failed = false;
   for (const std::string& path : arguments.bags) {
     try {
-      const RecordedRun recorded = readRecordedRun({path}, {}, 0.0, arguments.duration);
+      const bridge::RecordedRun recorded =
+          bridge::readRecordedRun({path}, {}, 0.0, arguments.duration);
       for (const std::string& damage : recorded.damage) {
         std::fprintf(stderr, "compare_identifiers: %s\n", damage.c_str());
         failed = true;
@@ -303,13 +308,13 @@ int run(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
   console_bridge::noOutputHandler();  // faults are said once, here
   try {
-    const auto arguments = ring_gyro::parse(argc, argv);
-    return arguments ? ring_gyro::run(*arguments) : EXIT_SUCCESS;
+    const auto arguments = ring_gyro::tools::parse(argc, argv);
+    return arguments ? ring_gyro::tools::run(*arguments) : EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "compare_identifiers: %s\n", error.what());
     return EXIT_FAILURE;

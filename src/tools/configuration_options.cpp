@@ -2,7 +2,7 @@
 
 #include "ring_gyro/configuration/configuration_reader.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 
 namespace options = boost::program_options;
 
@@ -14,12 +14,13 @@ void ConfigurationOptions::addTo(options::options_description& description) {
       "section/key=value, in place of what the file says; may be repeated");
 }
 
-LoopConfiguration ConfigurationOptions::read(const std::vector<std::string>& more_overrides) const {
+cvg::LoopConfiguration ConfigurationOptions::read(
+    const std::vector<std::string>& more_overrides) const {
   if (files_.empty()) throw options::error("--config FILE is missing; see --help");
   std::vector<std::string> overrides = overrides_;
   overrides.insert(overrides.end(), more_overrides.begin(), more_overrides.end());
   if (!seed_.empty()) overrides.push_back("run/seed=" + seed_);
-  return readConfigurationFiles(files_, overrides);
+  return cvg::readConfigurationFiles(files_, overrides);
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

@@ -6,7 +6,7 @@
 
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 
 /// The options by which every tool is told its configuration: --config FILE (repeated:
 /// later files override), --seed N and
@@ -17,7 +17,7 @@ class ConfigurationOptions {
 
   /// To be called when the options have been parsed; `more_overrides` go before --seed. Throws
   /// ConfigurationError, or boost::program_options::error when --config is missing.
-  LoopConfiguration read(const std::vector<std::string>& more_overrides = {}) const;
+  cvg::LoopConfiguration read(const std::vector<std::string>& more_overrides = {}) const;
 
  private:
   std::vector<std::string> files_;
@@ -25,4 +25,4 @@ class ConfigurationOptions {
   std::vector<std::string> overrides_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

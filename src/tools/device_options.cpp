@@ -5,7 +5,7 @@
 
 #include "ring_gyro/configuration/configuration_reader.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -36,17 +36,17 @@ void DeviceOptions::addTo(options::options_description& description) {
       "section/key=value, in place of what the file says; may be repeated");
 }
 
-LoopConfiguration DeviceOptions::read() const {
+cvg::LoopConfiguration DeviceOptions::read() const {
   if (!preset_.empty() && !files_.empty()) {
     throw options::error("--config and --preset exclude each other; give one");
   }
-  if (!preset_.empty()) return readConfigurationFile(fileOfPreset(preset_), overrides_);
+  if (!preset_.empty()) return cvg::readConfigurationFile(fileOfPreset(preset_), overrides_);
   if (files_.empty()) {
     throw options::error(
         "f0, Q and the block length of the device are not in a bag; add --config FILE or --preset "
         "NAME, such as --preset paper_experiment");
   }
-  return readConfigurationFiles(files_, overrides_);
+  return cvg::readConfigurationFiles(files_, overrides_);
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

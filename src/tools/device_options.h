@@ -6,7 +6,7 @@
 
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 
 /// The options by which a tool that reads bags is told what is not in them: --config FILE
 /// (repeated: later files override) or --preset NAME, and --set section/key=value.
@@ -16,7 +16,7 @@ class DeviceOptions {
 
   /// To be called when the options have been parsed. Throws ConfigurationError, or
   /// boost::program_options::error unless there is either a file or a preset.
-  LoopConfiguration read() const;
+  cvg::LoopConfiguration read() const;
 
  private:
   std::vector<std::string> files_;
@@ -24,4 +24,4 @@ class DeviceOptions {
   std::vector<std::string> overrides_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

@@ -18,7 +18,7 @@
 #include "ring_gyro/ros/bag_signals.h"
 #include "ring_gyro/ros/pair_merge.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -50,10 +50,10 @@ std::optional<Arguments> parse(int argc, char** argv) {
 }
 
 /// Gives the number of messages of both topics.
-double requireTopics(const BagFile& bag) {
+double requireTopics(const bridge::BagFile& bag) {
   std::map<std::string, int> topics;  // by type
   std::map<std::string, double> messages;
-  for (const BagConnection& connection : bag.connections()) {
+  for (const bridge::BagConnection& connection : bag.connections()) {
     ++topics[connection.type];
     messages[connection.type] += static_cast<double>(connection.messages);
   }
@@ -69,35 +69,36 @@ double requireTopics(const BagFile& bag) {
 }
 
 void exportBag(const Arguments& arguments) {
-  requireApart({arguments.log_file}, {arguments.bag_file});
-  BagFile bag(arguments.bag_file);
+  cvg::requireApart({arguments.log_file}, {arguments.bag_file});
+  bridge::BagFile bag(arguments.bag_file);
   bag.requireWhole();
   ProgressBar progress(requireTopics(bag), "messages");
-  WholeFile out(arguments.log_file);
-  out.write(logHeader());
+  cvg::WholeFile out(arguments.log_file);
+  out.write(cvg::logHeader());
   std::string row;
   std::optional<std::uint32_t> session;
   std::uint64_t rows = 0;
-  PairMerge merge([&](const OrbitalElements& elements, const ControlGains& gains) {
-    // A table has one time that grows: that of the first session.
-    if (session.value_or(elements.stamp.session) != elements.stamp.session) {
-      throw std::runtime_error("holds several sessions; split it with rosbag filter");
-    }
-    session = elements.stamp.session;
-    row.clear();
-    appendLogRow(elements, gains, row);
-    out.write(row);
-    ++rows;
-  });
-  RefusedMessages refused;
+  bridge::PairMerge merge(
+      [&](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
+        // A table has one time that grows: that of the first session.
+        if (session.value_or(elements.stamp.session) != elements.stamp.session) {
+          throw std::runtime_error("holds several sessions; split it with rosbag filter");
+        }
+        session = elements.stamp.session;
+        row.clear();
+        cvg::appendLogRow(elements, gains, row);
+        out.write(row);
+        ++rows;
+      });
+  bridge::RefusedMessages refused;
   double messages = 0.0;
   const auto add = [&](const auto& signal) {
     merge.add(signal);
     progress.show(messages += 1.0);
   };
-  BagSinks sinks;
-  addSignals<ring_gyro_msgs::OrbitalElements, OrbitalElements>(bag, add, sinks, refused);
-  addSignals<ring_gyro_msgs::ControlGains, ControlGains>(bag, add, sinks, refused);
+  bridge::BagSinks sinks;
+  bridge::addSignals<ring_gyro::OrbitalElements, cvg::OrbitalElements>(bag, add, sinks, refused);
+  bridge::addSignals<ring_gyro::ControlGains, cvg::ControlGains>(bag, add, sinks, refused);
   bag.read(sinks);
   bag.requireWhole();
   merge.flush();
@@ -108,7 +109,7 @@ void exportBag(const Arguments& arguments) {
   }
   out.finish();
   if (refused.count > 0) std::fprintf(stderr, "export_csv: %s\n", refused.text().c_str());
-  const PairMerge::Counts& counts = merge.counts();
+  const bridge::PairMerge::Counts& counts = merge.counts();
   std::printf("exported   %lu rows to %s\n", static_cast<unsigned long>(rows),
               arguments.log_file.c_str());
   if (counts.elements_alone + counts.gains_alone > 0) {
@@ -121,7 +122,7 @@ void exportBag(const Arguments& arguments) {
 void run(const Arguments& arguments) {
   try {
     exportBag(arguments);
-  } catch (const BagError&) {
+  } catch (const bridge::BagError&) {
     throw;
   } catch (const std::runtime_error& error) {
     const std::string what = error.what();
@@ -131,11 +132,12 @@ void run(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
   try {
-    if (const auto arguments = ring_gyro::parse(argc, argv)) ring_gyro::run(*arguments);
+    if (const auto arguments = ring_gyro::tools::parse(argc, argv))
+      ring_gyro::tools::run(*arguments);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "export_csv: %s\n", error.what());

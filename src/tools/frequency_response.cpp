@@ -22,20 +22,20 @@
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/swept_sine.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
 
 struct Arguments {
   ConfigurationOptions configuration;
-  SweepParameters sweep;
+  cvg::SweepParameters sweep;
   std::string device_file;
   std::string csv_file;
 };
 
 bool parse(int argc, char** argv, Arguments& arguments) {
-  SweepParameters& sweep = arguments.sweep;
+  cvg::SweepParameters& sweep = arguments.sweep;
   options::options_description description("frequency_response");
   arguments.configuration.addTo(description);
   const auto number = [](double& target) { return options::value(&target)->default_value(target); };
@@ -55,22 +55,22 @@ bool parse(int argc, char** argv, Arguments& arguments) {
   return false;
 }
 
-std::string deviceSection(const FrequencyResponseFit& fit) {
-  DeviceKnowledge device;
+std::string deviceSection(const cvg::FrequencyResponseFit& fit) {
+  cvg::DeviceKnowledge device;
   device.natural_frequency = fit.natural_frequency;
   device.quality_factor = fit.quality_factor;
   device.drive_gain = fit.device.drive_gain;
-  Section section{"device", {}};
+  cvg::Section section{"device", {}};
   device.declare(section.table);
   return "# Measured by frequency_response: swept sine, fit of the response matrix.\n" +
-         configurationYaml(section, {"natural_frequency", "quality_factor", "drive_gain"});
+         cvg::configurationYaml(section, {"natural_frequency", "quality_factor", "drive_gain"});
 }
 
-std::string csvOf(const std::vector<FrequencyPoint>& points) {
+std::string csvOf(const std::vector<cvg::FrequencyPoint>& points) {
   std::ostringstream out;
   out.precision(12);
   out << "frequency_hz,xx_real,xx_imag,xy_real,xy_imag,yx_real,yx_imag,yy_real,yy_imag\n";
-  for (const FrequencyPoint& point : points) {
+  for (const cvg::FrequencyPoint& point : points) {
     out << point.frequency;
     for (int row = 0; row < 2; ++row) {
       for (int column = 0; column < 2; ++column) {
@@ -83,9 +83,10 @@ std::string csvOf(const std::vector<FrequencyPoint>& points) {
   return out.str();
 }
 
-void print(const FrequencyResponseFit& fit, const std::array<VibrationMode, 2>& ring_down) {
+void print(const cvg::FrequencyResponseFit& fit,
+           const std::array<cvg::VibrationMode, 2>& ring_down) {
   std::printf("swept sine\n");
-  for (const VibrationMode& mode : fit.modes) {
+  for (const cvg::VibrationMode& mode : fit.modes) {
     std::printf("  mode       %.6f Hz, Q %.1f\n", mode.frequency, mode.quality_factor);
   }
   std::printf("  split      %.6f Hz\n", fit.split);
@@ -95,48 +96,48 @@ void print(const FrequencyResponseFit& fit, const std::array<VibrationMode, 2>& 
   std::printf("  ks         %.5e 1/s^2 from the whole matrix, %.5e by (34) from the peak of x\n",
               fit.device.drive_gain, fit.drive_gain_peak);
   std::printf("  phase      %.4f deg common to all paths; misfit %.1e\n",
-              toDegrees(fit.phase_delay), fit.residual);
+              cvg::toDegrees(fit.phase_delay), fit.residual);
   std::printf("ring-down\n");
-  for (const VibrationMode& mode : ring_down) {
+  for (const cvg::VibrationMode& mode : ring_down) {
     std::printf("  mode       %.6f Hz, Q %.1f\n", mode.frequency, mode.quality_factor);
   }
   std::printf("  split      %.6f Hz\n", ring_down[1].frequency - ring_down[0].frequency);
 }
 
 void run(Arguments& arguments) {
-  const LoopConfiguration configuration = arguments.configuration.read();
-  SweepParameters& sweep = arguments.sweep;
+  const cvg::LoopConfiguration configuration = arguments.configuration.read();
+  cvg::SweepParameters& sweep = arguments.sweep;
   if (sweep.centre == 0.0) sweep.centre = configuration.device.natural_frequency;
   if (sweep.drive == 0.0) {
-    const double w0 = kTwoPi * sweep.centre;
+    const double w0 = cvg::kTwoPi * sweep.centre;
     sweep.drive = 0.1 * configuration.control.amplitude * w0 * w0 /
                   (configuration.device.drive_gain * configuration.device.quality_factor);
   }
-  ParameterTable table;
+  cvg::ParameterTable table;
   sweep.declare(table);
-  requireInRange(table, "--");
-  requireApart({arguments.device_file, arguments.csv_file}, configuration.files);
-  WholeFile device_file(arguments.device_file);
-  WholeFile csv_file(arguments.csv_file);
+  cvg::requireInRange(table, "--");
+  cvg::requireApart({arguments.device_file, arguments.csv_file}, configuration.files);
+  cvg::WholeFile device_file(arguments.device_file);
+  cvg::WholeFile csv_file(arguments.csv_file);
   const double total = 2.0 * static_cast<double>(sweep.points) * (sweep.settling + sweep.averaging);
   ProgressBar progress(total);
   const auto seed = static_cast<std::uint64_t>(configuration.run.seed);
-  const std::vector<FrequencyPoint> points =
-      sweepSine(configuration.plant, configuration.converter, configuration.demodulation, sweep,
-                seed, [&](double share) { progress.showNow(share * total); });
+  const std::vector<cvg::FrequencyPoint> points =
+      cvg::sweepSine(configuration.plant, configuration.converter, configuration.demodulation,
+                     sweep, seed, [&](double share) { progress.showNow(share * total); });
   progress.clear();
-  const FrequencyResponseFit fit = fitFrequencyResponse(points);
-  print(fit, fitRingDown(recordRingDown(configuration.plant, configuration.converter,
-                                        configuration.demodulation, sweep, seed)));
+  const cvg::FrequencyResponseFit fit = cvg::fitFrequencyResponse(points);
+  print(fit, cvg::fitRingDown(cvg::recordRingDown(configuration.plant, configuration.converter,
+                                                  configuration.demodulation, sweep, seed)));
   device_file.finish(deviceSection(fit));
   csv_file.finish(csvOf(points));
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace ring_gyro::tools;
   try {
     Arguments arguments;
     arguments.sweep.drive = 0.0;

@@ -4,10 +4,10 @@
 
 #include "ring_gyro/common/angle_harmonics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 
-inline nlohmann::json jsonOf(const AngleHarmonics& function) {
+inline nlohmann::json jsonOf(const cvg::AngleHarmonics& function) {
   return {{"constant", function.constant}, {"cosine", function.cosine}, {"sine", function.sine}};
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

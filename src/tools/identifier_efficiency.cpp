@@ -25,29 +25,31 @@
 #include "ring_gyro/identification/information_bound.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 using Complex = std::complex<double>;
 
 /// Calls `seen` with every block of a run: what the loops gave, and k Om.
 template <typename Seen>
-void runLoop(const LoopConfiguration& configuration, std::uint64_t seed, const Seen& seen) {
-  PlantSimulator plant(configuration.plant, configuration.converter, seed, 1, 1000000000);
-  ControlLoops loops(configuration.control, configuration.demodulation, configuration.converter);
-  const DisplacementBlock* block = &plant.start();
+void runLoop(const cvg::LoopConfiguration& configuration, std::uint64_t seed, const Seen& seen) {
+  cvg::PlantSimulator plant(configuration.plant, configuration.converter, seed, 1, 1000000000);
+  cvg::ControlLoops loops(configuration.control, configuration.demodulation,
+                          configuration.converter);
+  const cvg::DisplacementBlock* block = &plant.start();
   const std::uint64_t blocks = configuration.run.blocks(configuration.converter);
   for (std::uint64_t n = 0; n < blocks; ++n) {
-    const LoopOutput& output = loops.process(*block);
+    const cvg::LoopOutput& output = loops.process(*block);
     seen(output, configuration.plant.resonator.angular_gain * plant.truth().rotation_rate);
     block = &plant.step(output.command);
   }
 }
 
 /// Truth of the states, as far as the electronics are a gain matrix of the drive.
-ExtendedVector truthOf(const ExtendedState& state, const LoopConfiguration& configuration) {
-  const ResonatorParameters ring = configuration.plant.resonator.tuned();
-  const AxisErrors& axes = configuration.plant.drive.axes;
+cvg::ExtendedVector truthOf(const cvg::ExtendedState& state,
+                            const cvg::LoopConfiguration& configuration) {
+  const cvg::ResonatorParameters ring = configuration.plant.resonator.tuned();
+  const cvg::AxisErrors& axes = configuration.plant.drive.axes;
   Eigen::Matrix2cd matrix = ring.driveGain() * axes.gainMatrix().cast<Complex>();
   for (int k = 0; k < 2; ++k) matrix.col(k) *= std::polar(1.0, -axes.phaseDelays()[k]);
   const Complex gain = 0.5 * (matrix(0, 0) + matrix(1, 1));
@@ -55,8 +57,8 @@ ExtendedVector truthOf(const ExtendedState& state, const LoopConfiguration& conf
   const Complex skew = 0.5 * (matrix(0, 1) + matrix(1, 0)) / gain;
   const Complex turn = 0.5 * (matrix(0, 1) - matrix(1, 0)) / gain;
 
-  const ExtendedState::Layout& at = state.layout();
-  ExtendedVector truth = ExtendedVector::Zero(state.size());
+  const cvg::ExtendedState::Layout& at = state.layout();
+  cvg::ExtendedVector truth = cvg::ExtendedVector::Zero(state.size());
   truth.segment<5>(at.gamma) << ring.gamma1, ring.gamma2, ring.mu1, ring.mu2, std::abs(gain);
   if (at.decay_rate >= 0) truth[at.decay_rate] = ring.decayRate();
   if (at.frequency >= 0) truth[at.frequency] = ring.natural_frequency;
@@ -69,23 +71,23 @@ ExtendedVector truthOf(const ExtendedState& state, const LoopConfiguration& conf
   return truth;
 }
 
-double processNoise(const PlantParameters& plant) {
+double processNoise(const cvg::PlantParameters& plant) {
   const double density = std::hypot(plant.resonator.thermal_noise_density,
                                     plant.drive.zero_order_hold ? 0.0 : plant.drive.noise_density);
   return 0.5 * plant.resonator.driveGain() * density / plant.resonator.angularFrequency();
 }
 
-ExtendedMatrix boundOf(LoopConfiguration configuration, const ExtendedState& state,
-                       const ExtendedVector& truth) {
-  const PlantParameters noisy = configuration.plant;
+cvg::ExtendedMatrix boundOf(cvg::LoopConfiguration configuration, const cvg::ExtendedState& state,
+                            const cvg::ExtendedVector& truth) {
+  const cvg::PlantParameters noisy = configuration.plant;
   configuration.plant.sense.noise_density = 0.0;
   configuration.plant.drive.noise_density = 0.0;
   configuration.plant.resonator.thermal_noise_density = 0.0;
-  ExtendedVector sigma = priorSigma(state, configuration.extended, truth);
+  cvg::ExtendedVector sigma = cvg::priorSigma(state, configuration.extended, truth);
   sigma.head<4>().setOnes();
-  EnvelopeBound bound(EnvelopeModel(state), truth, sigma, noisy.sense.noise_density,
-                      processNoise(noisy), configuration.converter);
-  runLoop(configuration, 1, [&bound](const LoopOutput& output, double rotation) {
+  cvg::EnvelopeBound bound(cvg::EnvelopeModel(state), truth, sigma, noisy.sense.noise_density,
+                           processNoise(noisy), configuration.converter);
+  runLoop(configuration, 1, [&bound](const cvg::LoopOutput& output, double rotation) {
     bound.process(output.elements, output.gains, rotation);
   });
   return bound.covariance();
@@ -107,13 +109,13 @@ struct Statistics {
   double updates = 0.0;
 };
 
-void addSeed(const LoopConfiguration& configuration, const ExtendedVector& truth,
+void addSeed(const cvg::LoopConfiguration& configuration, const cvg::ExtendedVector& truth,
              std::uint64_t seed, std::mutex& mutex, Statistics& statistics) {
-  ExtendedIdentifier identifier(configuration.extended, configuration.converter);
-  ExtendedEstimate last;
+  cvg::ExtendedIdentifier identifier(configuration.extended, configuration.converter);
+  cvg::ExtendedEstimate last;
   double nis = 0.0;
   double updates = 0.0;
-  runLoop(configuration, seed, [&](const LoopOutput& output, double rotation) {
+  runLoop(configuration, seed, [&](const cvg::LoopOutput& output, double rotation) {
     const auto estimate = identifier.process(output.elements, output.gains, rotation);
     if (!estimate) return;
     last = *estimate;
@@ -138,12 +140,12 @@ void addSeed(const LoopConfiguration& configuration, const ExtendedVector& truth
   statistics.updates += updates;
 }
 
-void run(LoopConfiguration configuration, std::uint64_t seeds) {
+void run(cvg::LoopConfiguration configuration, std::uint64_t seeds) {
   configuration.extended.noise_density = configuration.plant.sense.noise_density;
   configuration.extended.envelope_process_noise = processNoise(configuration.plant);
-  const ExtendedState state(configuration.extended);
-  const ExtendedVector truth = truthOf(state, configuration);
-  const ExtendedMatrix bound = boundOf(configuration, state, truth);
+  const cvg::ExtendedState state(configuration.extended);
+  const cvg::ExtendedVector truth = truthOf(state, configuration);
+  const cvg::ExtendedMatrix bound = boundOf(configuration, state, truth);
 
   const Eigen::Index size = state.size() - 4;
   Statistics statistics(size);
@@ -186,7 +188,7 @@ void run(LoopConfiguration configuration, std::uint64_t seeds) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
   if (argc < 3) {
@@ -196,8 +198,8 @@ int main(int argc, char** argv) {
   }
   try {
     const std::vector<std::string> overrides(argv + 3, argv + argc);
-    ring_gyro::run(ring_gyro::readConfigurationFile(argv[1], overrides),
-                   std::strtoull(argv[2], nullptr, 10));
+    ring_gyro::tools::run(cvg::readConfigurationFile(argv[1], overrides),
+                          std::strtoull(argv[2], nullptr, 10));
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "identifier_efficiency: %s\n", error.what());

@@ -30,7 +30,7 @@
 #include "ring_gyro/ros/recorded_run.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -50,12 +50,12 @@ struct Arguments {
   std::string estimates_file;
   bool as_one_run = false;
   bool extended = false;
-  BagIdentificationOptions identification;
+  bridge::BagIdentificationOptions identification;
 };
 
 /// What became of one run.
 struct Outcome {
-  std::optional<IdentificationResult> result;
+  std::optional<bridge::IdentificationResult> result;
   std::string error;
 };
 
@@ -106,21 +106,21 @@ std::optional<Arguments> parse(int argc, char** argv) {
 class EstimateRecorder {
  public:
   explicit EstimateRecorder(const std::string& path) : writer_(path) {}
-  void write(const ParameterEstimate& estimate, const StateMatrix& covariance) {
-    toMessage(estimate, covariance, message_);
-    writer_.write(topics::kParameterEstimate, message_);
+  void write(const cvg::ParameterEstimate& estimate, const cvg::StateMatrix& covariance) {
+    bridge::toMessage(estimate, covariance, message_);
+    writer_.write(bridge::topics::kParameterEstimate, message_);
   }
   void finish() { writer_.finish(); }
 
  private:
-  BagWriter writer_;
-  ring_gyro_msgs::ParameterEstimate message_;
+  bridge::BagWriter writer_;
+  ring_gyro::ParameterEstimate message_;
 };
 
 /// All the runs, each by itself, on as many threads as there are cores.
 class Identification {
  public:
-  Identification(const Arguments& arguments, const LoopConfiguration& configuration)
+  Identification(const Arguments& arguments, const cvg::LoopConfiguration& configuration)
       : arguments_(arguments), configuration_(configuration) {
     if (arguments.as_one_run) {
       runs_.push_back(arguments.bags);
@@ -163,18 +163,19 @@ class Identification {
     }
   }
 
-  IdentificationResult identify(const std::vector<std::string>& bags, Progress& progress) const {
-    BagIdentification identification(bags, configuration_, arguments_.identification);
+  bridge::IdentificationResult identify(const std::vector<std::string>& bags,
+                                     Progress& progress) const {
+    bridge::BagIdentification identification(bags, configuration_, arguments_.identification);
     progress.length = identification.length();
     std::unique_ptr<EstimateRecorder> recorder;
-    BagIdentification::OnEstimate on_estimate;
+    bridge::BagIdentification::OnEstimate on_estimate;
     if (!arguments_.estimates_file.empty()) {
       recorder = std::make_unique<EstimateRecorder>(arguments_.estimates_file);
-      on_estimate = [&recorder](const ParameterEstimate& e, const StateMatrix& c) {
+      on_estimate = [&recorder](const cvg::ParameterEstimate& e, const cvg::StateMatrix& c) {
         recorder->write(e, c);
       };
     }
-    IdentificationResult result =
+    bridge::IdentificationResult result =
         identification.run(on_estimate, [&progress](double done) { progress.done = done; });
     if (recorder) recorder->finish();
     return result;
@@ -197,7 +198,7 @@ class Identification {
   }
 
   const Arguments& arguments_;
-  const LoopConfiguration& configuration_;
+  const cvg::LoopConfiguration& configuration_;
   std::vector<std::vector<std::string>> runs_;
   std::vector<Outcome> outcomes_;
   std::vector<Progress> progress_;
@@ -214,14 +215,14 @@ struct ExtendedReport {
 
 /// The extended identifier over the same run.
 ExtendedReport extendedReport(const std::vector<std::string>& bags, const Arguments& arguments,
-                              const LoopConfiguration& configuration) {
-  const BagIdentificationOptions& wanted = arguments.identification;
-  const RecordedRun run =
-      readRecordedRun(bags, wanted.topics, wanted.start, wanted.duration.value_or(0.0));
-  ExtendedIdentifier identifier(configuration.extended, configuration.converter);
-  ExtendedEstimate last;
-  NisTally nis;
-  for (const RecordedPair& pair : run.pairs) {
+                              const cvg::LoopConfiguration& configuration) {
+  const bridge::BagIdentificationOptions& wanted = arguments.identification;
+  const bridge::RecordedRun run =
+      bridge::readRecordedRun(bags, wanted.topics, wanted.start, wanted.duration.value_or(0.0));
+  cvg::ExtendedIdentifier identifier(configuration.extended, configuration.converter);
+  cvg::ExtendedEstimate last;
+  cvg::NisTally nis;
+  for (const bridge::RecordedPair& pair : run.pairs) {
     if (pair.elements.stamp.sequence < wanted.start_sequence) continue;
     const auto estimate = identifier.process(
         pair.elements, pair.gains, configuration.device.angular_gain * pair.rotation_rate);
@@ -256,8 +257,8 @@ ExtendedReport extendedReport(const std::vector<std::string>& bags, const Argume
 
 /// Tables, lines about faults, JSON. Returns the exit status.
 int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
-           const LoopConfiguration& configuration, WholeFile& json) {
-  std::vector<IdentificationResult> results;
+           const cvg::LoopConfiguration& configuration, cvg::WholeFile& json) {
+  std::vector<bridge::IdentificationResult> results;
   bool failed = false;
   bool faulty = false;
   const auto say = [](const std::string& source, const std::string& line) {
@@ -269,9 +270,9 @@ int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
       failed = true;
       continue;
     }
-    const IdentificationResult& result = *outcome.result;
+    const bridge::IdentificationResult& result = *outcome.result;
     const std::string& source = result.sources.front();
-    std::fputs(identificationText(result, configuration).c_str(), stdout);
+    std::fputs(bridge::identificationText(result, configuration).c_str(), stdout);
     if (arguments.extended) {
       const ExtendedReport extended = extendedReport(result.sources, arguments, configuration);
       std::fputs(extended.text.c_str(), stdout);
@@ -280,8 +281,8 @@ int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
     }
     std::fflush(stdout);
     for (const std::string& line : result.damage) say(source, line);
-    const std::string failure = failureOf(result.report, configuration);
-    const std::vector<std::string> faults = faultsOf(result.report, configuration);
+    const std::string failure = bridge::failureOf(result.report, configuration);
+    const std::vector<std::string> faults = bridge::faultsOf(result.report, configuration);
     if (!failure.empty()) {
       say(source, failure);
       failed = true;
@@ -291,24 +292,24 @@ int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
     faulty = faulty || !faults.empty() || !result.damage.empty();
     results.push_back(result);
   }
-  if (!results.empty()) json.finish(identificationJson(results, configuration));
+  if (!results.empty()) json.finish(bridge::identificationJson(results, configuration));
   return failed ? kFailed : faulty ? kIdentifiedWithFaults : kIdentified;
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace ring_gyro::tools;
   console_bridge::noOutputHandler();  // faults are said once, here
   try {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;
-    const LoopConfiguration configuration = arguments->device.read();
+    const cvg::LoopConfiguration configuration = arguments->device.read();
     std::vector<std::string> inputs = arguments->bags;
     inputs.insert(inputs.end(), configuration.files.begin(), configuration.files.end());
-    requireApart({arguments->json_file, arguments->estimates_file}, inputs);
-    WholeFile json(arguments->json_file);
+    cvg::requireApart({arguments->json_file, arguments->estimates_file}, inputs);
+    cvg::WholeFile json(arguments->json_file);
     Identification identification(*arguments, configuration);
     return report(identification.run(), *arguments, configuration, json);
   } catch (const std::exception& error) {

@@ -22,7 +22,7 @@
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/topics.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -35,8 +35,8 @@ struct Arguments {
   std::vector<std::string> columns;
   std::vector<std::string> constants;
   std::vector<std::string> ignored;
-  CsvDialect dialect;
-  ImportOptions import;
+  cvg::CsvDialect dialect;
+  cvg::ImportOptions import;
   bool dry_run = false;
 };
 
@@ -55,17 +55,17 @@ char decimalFrom(const std::string& name) {
   throw options::error("--decimal " + name + " must be point or comma");
 }
 
-ImportOptions::GainTiming timingFrom(const std::string& name) {
-  if (name == "before") return ImportOptions::GainTiming::kBefore;
-  if (name == "after") return ImportOptions::GainTiming::kAfter;
-  if (name == "at") return ImportOptions::GainTiming::kAt;
+cvg::ImportOptions::GainTiming timingFrom(const std::string& name) {
+  if (name == "before") return cvg::ImportOptions::GainTiming::kBefore;
+  if (name == "after") return cvg::ImportOptions::GainTiming::kAfter;
+  if (name == "at") return cvg::ImportOptions::GainTiming::kAt;
   throw options::error("--gains " + name + " must be before, after or at");
 }
 
 /// Nothing when the program has already said what was asked (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
-  ImportOptions& import = arguments.import;
+  cvg::ImportOptions& import = arguments.import;
   options::options_description description("import_csv");
   const auto text = [] { return options::value<std::string>(); };
   description.add_options()("help,h", "this text")("log", options::value(&arguments.log_file),
@@ -103,14 +103,15 @@ std::optional<Arguments> parse(int argc, char** argv) {
   const options::variables_map values = parseCommandLine(argc, argv, description, "log", 1);
   if (values.count("help") != 0) {
     std::string names;
-    for (const QuantityInfo& info : quantities()) names += std::string(" ") + info.name;
+    for (const cvg::QuantityInfo& info : cvg::quantities()) names += std::string(" ") + info.name;
     std::cout << "usage: import_csv LOG --output BAG [--column theta=-Angle:deg ...]\n"
               << description << "quantities:" << names << "\nsee docs/logs.md\n";
     return std::nullopt;
   }
-  const auto quantity = [&](const char* name, Dimension dimension) -> std::optional<double> {
+  const auto quantity = [&](const char* name, cvg::Dimension dimension) -> std::optional<double> {
     if (values.count(name) == 0) return std::nullopt;
-    return quantityFromText(std::string("--") + name, values[name].as<std::string>(), dimension);
+    return cvg::quantityFromText(std::string("--") + name, values[name].as<std::string>(),
+                                 dimension);
   };
   if (values.count("delimiter") != 0) {
     arguments.dialect.delimiter = delimiterFrom(values["delimiter"].as<std::string>());
@@ -120,20 +121,20 @@ std::optional<Arguments> parse(int argc, char** argv) {
   }
   import.gain_timing = timingFrom(values["gains"].as<std::string>());
   // Rows a second are counted, not turned into radians.
-  if (const auto rate = quantity("sample-rate", Dimension::kAngularRate)) {
+  if (const auto rate = quantity("sample-rate", cvg::Dimension::kAngularRate)) {
     const std::string& said = values["sample-rate"].as<std::string>();
     const bool counted = said.find_first_of("Hh") != std::string::npos;
-    import.sample_rate = counted ? *rate / kTwoPi : *rate;
+    import.sample_rate = counted ? *rate / cvg::kTwoPi : *rate;
     if (!(*import.sample_rate > 0.0)) throw options::error("--sample-rate must be above zero");
   }
-  import.drive_gain = quantity("drive-gain", Dimension::kNone);
+  import.drive_gain = quantity("drive-gain", cvg::Dimension::kNone);
   if (import.drive_gain && !(*import.drive_gain > 0.0)) {
     throw options::error("--drive-gain must be above zero");
   }
-  import.drive_lead = quantity("drive-lead", Dimension::kTime);
-  import.group_delay = quantity("group-delay", Dimension::kTime).value_or(0.0);
-  import.phi_offset = quantity("phi-offset", Dimension::kAngle).value_or(0.0);
-  import.minimum_amplitude = quantity("minimum-amplitude", Dimension::kVoltage);
+  import.drive_lead = quantity("drive-lead", cvg::Dimension::kTime);
+  import.group_delay = quantity("group-delay", cvg::Dimension::kTime).value_or(0.0);
+  import.phi_offset = quantity("phi-offset", cvg::Dimension::kAngle).value_or(0.0);
+  import.minimum_amplitude = quantity("minimum-amplitude", cvg::Dimension::kVoltage);
   if (import.average < 0) {
     throw options::error("--average must be a number of rows, or 0: as many as make about 1 ms");
   }
@@ -156,43 +157,43 @@ class LogBag {
   LogBag(const LogBag&) = delete;
   LogBag& operator=(const LogBag&) = delete;
 
-  void write(const OrbitalElements& elements, const ControlGains& gains) {
-    toMessage(elements, elements_);
-    writer_.write(topics::kOrbitalElements, elements_);
-    toMessage(gains, gains_);
-    writer_.write(topics::kControlGains, gains_);
+  void write(const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
+    bridge::toMessage(elements, elements_);
+    writer_.write(bridge::topics::kOrbitalElements, elements_);
+    bridge::toMessage(gains, gains_);
+    writer_.write(bridge::topics::kControlGains, gains_);
     last_ = elements.stamp;
   }
 
   void finish() {
-    ring_gyro_msgs::EndOfRun end;
-    end.header.stamp = timeFromNanoseconds(last_.end_ns);
+    ring_gyro::EndOfRun end;
+    end.header.stamp = bridge::timeFromNanoseconds(last_.end_ns);
     end.session = last_.session;
     end.last_sequence = last_.sequence;
-    writer_.write(topics::kEndOfRun, end);
+    writer_.write(bridge::topics::kEndOfRun, end);
     writer_.finish();
     finished_ = true;
   }
 
  private:
-  BagWriter writer_;
-  BlockStamp last_;
-  ring_gyro_msgs::OrbitalElements elements_;
-  ring_gyro_msgs::ControlGains gains_;
+  bridge::BagWriter writer_;
+  cvg::BlockStamp last_;
+  ring_gyro::OrbitalElements elements_;
+  ring_gyro::ControlGains gains_;
   bool finished_ = false;
 };
 
 unsigned long number(std::uint64_t count) { return static_cast<unsigned long>(count); }
 
-void printCounts(const ImportCounts& counts, const std::string& bag) {
+void printCounts(const cvg::ImportCounts& counts, const std::string& bag) {
   std::printf("imported   %lu rows, %.3f s, in %lu blocks to %s\n", number(counts.rows),
               counts.duration, number(counts.blocks), bag.c_str());
-  std::printf("theta      %.3f to %.3f deg\n", toDegrees(counts.lowest_theta),
-              toDegrees(counts.highest_theta));
+  std::printf("theta      %.3f to %.3f deg\n", cvg::toDegrees(counts.lowest_theta),
+              cvg::toDegrees(counts.highest_theta));
   for (std::size_t k = 0; k < counts.faults.counts.size(); ++k) {
     if (counts.faults.counts[k] == 0) continue;
     std::printf("left out   %lu rows %s\n", number(counts.faults.counts[k]),
-                toString(static_cast<RowFault>(k)));
+                cvg::toString(static_cast<cvg::RowFault>(k)));
   }
   if (counts.faults.total() > 0) std::printf("first      %s\n", counts.faults.first.c_str());
   if (counts.missing_rows > 0) std::printf("missing    %lu rows\n", number(counts.missing_rows));
@@ -206,7 +207,7 @@ void printCounts(const ImportCounts& counts, const std::string& bag) {
 }
 
 /// Blocks of another length than the presets have must be told to the identifier.
-void printIdentify(const LogImporter& importer, const std::string& bag) {
+void printIdentify(const cvg::LogImporter& importer, const std::string& bag) {
   constexpr double kUsualDuration = 1e-3;     // [s]
   constexpr double kUsualUpdatePeriod = 0.1;  // [s]
   constexpr double kSamples = 1000.0;         // that stand for a block
@@ -227,27 +228,28 @@ void warn(const std::string& file, const std::string& fault, const std::string& 
                mend.c_str());
 }
 
-void judge(const ImportCounts& counts, const std::string& file) {
+void judge(const cvg::ImportCounts& counts, const std::string& file) {
   if (counts.mean_beta < 0.0) {
     warn(file, "the sustain gain is negative on average", "turn its sign, --column beta=-COLUMN");
   }
   const double span = counts.highest_theta - counts.lowest_theta;
-  if (span > kTwoPi * counts.duration) {
+  if (span > cvg::kTwoPi * counts.duration) {
     warn(file, "theta turns faster than a turn a second",
          "if it is in degrees say --column theta=COLUMN:deg");
   }
-  if (span < 0.5 * kPi) {
+  if (span < 0.5 * cvg::kPi) {
     warn(file, "theta covers less than a quarter of a turn",
          "gamma1 and gamma2 can only be told apart when the pattern turns");
   }
 }
 
 void run(const Arguments& arguments) {
-  requireApart({arguments.bag_file}, {arguments.log_file});
-  const std::unique_ptr<RecordSource> source = openLog(arguments.log_file, arguments.dialect);
-  const ColumnMap map(arguments.log_file, source->names(), arguments.columns, arguments.constants,
-                      arguments.ignored);
-  LogImporter importer(*source, map, arguments.import);
+  cvg::requireApart({arguments.bag_file}, {arguments.log_file});
+  const std::unique_ptr<cvg::RecordSource> source =
+      cvg::openLog(arguments.log_file, arguments.dialect);
+  const cvg::ColumnMap map(arguments.log_file, source->names(), arguments.columns,
+                           arguments.constants, arguments.ignored);
+  cvg::LogImporter importer(*source, map, arguments.import);
   std::printf("%s: %s\n%s", arguments.log_file.c_str(), source->format().c_str(),
               map.table({importer.firstRow().data(),
                          importer.firstRow().data() + importer.firstRow().size()})
@@ -261,16 +263,17 @@ void run(const Arguments& arguments) {
 
   LogBag bag(arguments.bag_file);
   ProgressBar progress(source->size() / kMegabyte, "MB");
-  const ImportCounts& counts =
-      importer.run([&](const OrbitalElements& elements,
-                       const ControlGains& gains) { bag.write(elements, gains); },
+  const cvg::ImportCounts& counts =
+      importer.run([&](const cvg::OrbitalElements& elements,
+                       const cvg::ControlGains& gains) { bag.write(elements, gains); },
                    [&](double done, double) { progress.show(done / kMegabyte); });
   progress.clear();
   if (counts.blocks == counts.unusable_blocks) {
-    throw LogError(arguments.log_file, "",
-                   counts.blocks == 0 ? "no block of it is whole" : "nothing in it is locked",
-                   "b must be small against a and phi near -90 deg; see --column, --phi-offset, "
-                   "--average");
+    throw cvg::LogError(
+        arguments.log_file, "",
+        counts.blocks == 0 ? "no block of it is whole" : "nothing in it is locked",
+        "b must be small against a and phi near -90 deg; see --column, --phi-offset, "
+        "--average");
   }
   bag.finish();
   printCounts(counts, arguments.bag_file);
@@ -279,11 +282,12 @@ void run(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
   try {
-    if (const auto arguments = ring_gyro::parse(argc, argv)) ring_gyro::run(*arguments);
+    if (const auto arguments = ring_gyro::tools::parse(argc, argv))
+      ring_gyro::tools::run(*arguments);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "import_csv: %s\n", error.what());

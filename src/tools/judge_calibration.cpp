@@ -20,7 +20,7 @@
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/simulation/calibration_judgement.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -29,24 +29,24 @@ constexpr int kNotAllJudged = 2;  // exit status: the rows that could be judged 
 
 struct Case {
   std::string name;
-  LoopConfiguration configuration;
+  cvg::LoopConfiguration configuration;
 };
 
 /// The calibration whole; then each of its parts switched off, then nothing of it.
-std::vector<Case> casesOf(const LoopConfiguration& whole, bool each_switch) {
+std::vector<Case> casesOf(const cvg::LoopConfiguration& whole, bool each_switch) {
   std::vector<Case> cases = {{"calibrated", whole}};
   if (!each_switch) return cases;
-  const std::pair<const char*, bool Calibration::*> switches[] = {
-      {"correct_pickoff", &Calibration::correct_pickoff},
-      {"correct_phase", &Calibration::correct_phase},
-      {"correct_drive_gains", &Calibration::correct_drive_gains},
-      {"correct_phase_mismatch", &Calibration::correct_phase_mismatch},
-      {"cancel_damping", &Calibration::cancel_damping},
-      {"cancel_drift", &Calibration::cancel_drift},
-      {"map_angle", &Calibration::map_angle}};
-  LoopConfiguration none = whole;
+  const std::pair<const char*, bool cvg::Calibration::*> switches[] = {
+      {"correct_pickoff", &cvg::Calibration::correct_pickoff},
+      {"correct_phase", &cvg::Calibration::correct_phase},
+      {"correct_drive_gains", &cvg::Calibration::correct_drive_gains},
+      {"correct_phase_mismatch", &cvg::Calibration::correct_phase_mismatch},
+      {"cancel_damping", &cvg::Calibration::cancel_damping},
+      {"cancel_drift", &cvg::Calibration::cancel_drift},
+      {"map_angle", &cvg::Calibration::map_angle}};
+  cvg::LoopConfiguration none = whole;
   for (const auto& [name, member] : switches) {
-    LoopConfiguration without = whole;
+    cvg::LoopConfiguration without = whole;
     without.calibration.*member = false;
     none.calibration.*member = false;
     cases.push_back({std::string("without ") + name, without});
@@ -55,20 +55,20 @@ std::vector<Case> casesOf(const LoopConfiguration& whole, bool each_switch) {
   return cases;
 }
 
-nlohmann::json jsonOf(const std::string& name, const CalibrationJudgement& judged) {
+nlohmann::json jsonOf(const std::string& name, const cvg::CalibrationJudgement& judged) {
   return {{"case", name},
           {"rate", judged.rate},
           {"forward_peak", judged.forward_peak},
           {"backward_peak", judged.backward_peak},
-          {"drift", jsonOf(judged.drift)},
+          {"drift", tools::jsonOf(judged.drift)},
           {"drift_peak_to_peak", judged.drift_peak_to_peak},
           {"threshold", judged.threshold},
-          {"angle_error", jsonOf(judged.angle_error)},
+          {"angle_error", tools::jsonOf(judged.angle_error)},
           {"slope_error", judged.slope_error}};
 }
 
 /// Prints a row for each case and rate; the same as JSON, SI units.
-nlohmann::json judge(const LoopConfiguration& whole, double time, bool each_switch) {
+nlohmann::json judge(const cvg::LoopConfiguration& whole, double time, bool each_switch) {
   nlohmann::json rows = nlohmann::json::array();
   std::printf("%-28s %13s %13s %13s %15s %17s %13s\n", "", "rate [deg/s]", "p-p + [deg/s]",
               "p-p - [deg/s]", "drift p-p [deg/s]", "threshold [deg/s]", "slope [ppm]");
@@ -76,23 +76,23 @@ nlohmann::json judge(const LoopConfiguration& whole, double time, bool each_swit
     for (const double rate : whole.calibration_run.verification_rates) {
       ProgressBar progress(1.0, "of " + one.name);
       std::string failure;
-      CalibrationJudgement judged;
+      cvg::CalibrationJudgement judged;
       try {
-        judged = judgeCalibration(one.configuration, rate, time,
-                                  [&](double done) { progress.show(done); });
+        judged = cvg::judgeCalibration(one.configuration, rate, time,
+                                       [&](double done) { progress.show(done); });
       } catch (const std::exception& error) {
         failure = error.what();  // slower than its own drift a gyroscope stands still
       }
       progress.clear();
       if (!failure.empty()) {
-        std::printf("%-28s %13.4g %s\n", one.name.c_str(), toDegrees(rate), failure.c_str());
+        std::printf("%-28s %13.4g %s\n", one.name.c_str(), cvg::toDegrees(rate), failure.c_str());
         rows.push_back({{"case", one.name}, {"rate", rate}, {"failure", failure}});
         continue;
       }
       std::printf("%-28s %13.4g %13.6f %13.6f %15.6f %17.6f %13.2f\n", one.name.c_str(),
-                  toDegrees(judged.rate), toDegrees(judged.forward_peak),
-                  toDegrees(judged.backward_peak), toDegrees(judged.drift_peak_to_peak),
-                  toDegrees(judged.threshold), 1e6 * judged.slope_error);
+                  cvg::toDegrees(judged.rate), cvg::toDegrees(judged.forward_peak),
+                  cvg::toDegrees(judged.backward_peak), cvg::toDegrees(judged.drift_peak_to_peak),
+                  cvg::toDegrees(judged.threshold), 1e6 * judged.slope_error);
       std::fflush(stdout);
       rows.push_back(jsonOf(one.name, judged));
     }
@@ -108,10 +108,10 @@ std::string firstFailure(const nlohmann::json& rows) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace ring_gyro::tools;
   try {
     ConfigurationOptions configuration_options;
     double time = 0.0;
@@ -131,11 +131,11 @@ int main(int argc, char** argv) {
                 << description;
       return EXIT_SUCCESS;
     }
-    const LoopConfiguration configuration = configuration_options.read();
-    requireApart({json_file}, configuration.files);
-    requireWritable(json_file);
+    const cvg::LoopConfiguration configuration = configuration_options.read();
+    cvg::requireApart({json_file}, configuration.files);
+    cvg::requireWritable(json_file);
     const nlohmann::json rows = judge(configuration, time, each_switch);
-    if (!json_file.empty()) writeWholeFile(json_file, rows.dump(1) + "\n");
+    if (!json_file.empty()) cvg::writeWholeFile(json_file, rows.dump(1) + "\n");
     const auto failed = std::count_if(rows.begin(), rows.end(), [](const nlohmann::json& row) {
       return row.contains("failure");
     });

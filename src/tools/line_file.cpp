@@ -11,17 +11,17 @@
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/write_fault.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 
 LineFile::LineFile(const std::string& path) : path_(path) {
-  const OutputTarget target = outputTarget(path);
-  file_ = Descriptor(
-      target.kind == OutputTarget::Kind::kDescriptor
+  const cvg::OutputTarget target = cvg::outputTarget(path);
+  file_ = cvg::Descriptor(
+      target.kind == cvg::OutputTarget::Kind::kDescriptor
           ? ::fcntl(target.descriptor, F_DUPFD_CLOEXEC, 0)
           : ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NOCTTY | O_CLOEXEC, 0666));
   struct stat status = {};
   if (!file_.valid() || ::fstat(file_.number(), &status) != 0) fail(errno);
-  regular_ = S_ISREG(status.st_mode) && target.kind == OutputTarget::Kind::kFile;
+  regular_ = S_ISREG(status.st_mode) && target.kind == cvg::OutputTarget::Kind::kFile;
   if (!regular_) return;
   if (::flock(file_.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     throw std::runtime_error(path_ +
@@ -42,7 +42,7 @@ void LineFile::cutAt(std::size_t length) {
 }
 
 void LineFile::add(const std::string& line) {
-  writeAll(file_.number(), line.data(), line.size(), path_);
+  cvg::writeAll(file_.number(), line.data(), line.size(), path_);
 }
 
 void LineFile::finish() {
@@ -50,6 +50,6 @@ void LineFile::finish() {
   if (file_.close() != 0) fail(errno);
 }
 
-void LineFile::fail(int reason) const { throw std::runtime_error(writeFault(path_, reason)); }
+void LineFile::fail(int reason) const { throw std::runtime_error(cvg::writeFault(path_, reason)); }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/descriptor.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 
 /// A file that grows by whole lines while its one writer works; what is no file (pipe, terminal) is
 /// written into line by line. Throws std::runtime_error with one line: path, reason, mend.
@@ -27,8 +27,8 @@ class LineFile {
   [[noreturn]] void fail(int reason) const;
 
   std::string path_;
-  Descriptor file_;
+  cvg::Descriptor file_;
   bool regular_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

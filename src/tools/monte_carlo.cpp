@@ -27,7 +27,7 @@
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -37,15 +37,15 @@ struct Arguments {
   std::string configuration_file;
   std::vector<std::string> overrides;
   bool random_devices = false;
-  MonteCarloRange range;
+  cvg::MonteCarloRange range;
   unsigned threads = 0;
   std::string output;
   bool resume = false;
   std::vector<std::string> merge;
 };
 
-MonteCarloRange rangeOf(std::uint64_t first, std::uint64_t count, const std::string& shard) {
-  MonteCarloRange range;
+cvg::MonteCarloRange rangeOf(std::uint64_t first, std::uint64_t count, const std::string& shard) {
+  cvg::MonteCarloRange range;
   range.first = first;
   range.count = count;
   char end = '\0';
@@ -95,13 +95,13 @@ std::optional<Arguments> parse(int argc, char** argv) {
 }
 
 /// Tells batches apart that must not be mixed: FNV-1a of every parameter but the seed's index.
-std::string fingerprint(const MonteCarlo& batch) {
+std::string fingerprint(const cvg::MonteCarlo& batch) {
   std::ostringstream text;
   text.precision(17);
   text << batch.random_devices;
-  LoopConfiguration configuration = batch.configuration;
-  for (const Section& section : configuration.sections()) {
-    for (const Parameter& parameter : section.table.parameters()) {
+  cvg::LoopConfiguration configuration = batch.configuration;
+  for (const cvg::Section& section : configuration.sections()) {
+    for (const cvg::Parameter& parameter : section.table.parameters()) {
       text << '\n' << section.name << '/' << parameter.key << '=';
       std::visit(
           [&text](const auto* target) {
@@ -124,7 +124,7 @@ std::string fingerprint(const MonteCarlo& batch) {
 
 Json byName(const std::array<double, 5>& values) {
   Json json;
-  for (std::size_t k = 0; k < values.size(); ++k) json[kMonteCarloParameters[k]] = values[k];
+  for (std::size_t k = 0; k < values.size(); ++k) json[cvg::kMonteCarloParameters[k]] = values[k];
   return json;
 }
 
@@ -136,7 +136,7 @@ double numberOf(const Json& json) {
 std::array<double, 5> byName(const Json& json) {
   std::array<double, 5> values{};
   for (std::size_t k = 0; k < values.size(); ++k) {
-    values[k] = numberOf(json.at(kMonteCarloParameters[k]));
+    values[k] = numberOf(json.at(cvg::kMonteCarloParameters[k]));
   }
   return values;
 }
@@ -146,7 +146,7 @@ std::string textOf(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string lineOf(const MonteCarloItem& item, const std::string& batch) {
+std::string lineOf(const cvg::MonteCarloItem& item, const std::string& batch) {
   Json json;
   json["index"] = item.index;
   json["batch"] = batch;
@@ -171,8 +171,8 @@ std::string lineOf(const MonteCarloItem& item, const std::string& batch) {
   return textOf(json);
 }
 
-MonteCarloItem itemOf(const Json& json) {
-  MonteCarloItem item;
+cvg::MonteCarloItem itemOf(const Json& json) {
+  cvg::MonteCarloItem item;
   item.index = json.at("index");
   item.seed = json.at("seed");
   if (json.contains("refused")) {
@@ -239,24 +239,24 @@ void readLines(const std::string& path, Lines& lines) {
   }
 }
 
-void print(const MonteCarloSummary& summary) {
+void print(const cvg::MonteCarloSummary& summary) {
   std::printf("items      %" PRIu64 ", %" PRIu64 " refused, %" PRIu64 " converged\n", summary.items,
               summary.refused, summary.converged);
   if (summary.items == summary.refused) return;
   std::printf("parameter    mean error         RMSE   mean sigma   in 95 %% interval\n");
   for (std::size_t k = 0; k < summary.parameters.size(); ++k) {
-    const ParameterStatistics& p = summary.parameters[k];
-    std::printf("%-10s % 12.3e %12.3e %12.3e %12.1f %%%s\n", kMonteCarloParameters[k], p.mean_error,
-                p.root_mean_square_error, p.mean_sigma, 100.0 * p.coverage,
+    const cvg::ParameterStatistics& p = summary.parameters[k];
+    std::printf("%-10s % 12.3e %12.3e %12.3e %12.1f %%%s\n", cvg::kMonteCarloParameters[k],
+                p.mean_error, p.root_mean_square_error, p.mean_sigma, 100.0 * p.coverage,
                 k + 1 == summary.parameters.size() ? " (relative)" : "");
   }
   std::printf("innovations  mean normalised square %.4f, expected 2\n",
               summary.mean_normalised_innovation_squared);
 }
 
-void printReasons(const std::vector<MonteCarloItem>& items) {
+void printReasons(const std::vector<cvg::MonteCarloItem>& items) {
   std::map<std::string, int> reasons;
-  for (const MonteCarloItem& item : items) {
+  for (const cvg::MonteCarloItem& item : items) {
     if (!item.refused.empty()) ++reasons[item.refused];
   }
   for (const auto& reason : reasons) {
@@ -265,15 +265,15 @@ void printReasons(const std::vector<MonteCarloItem>& items) {
 }
 
 void printStatistics(const Lines& lines) {
-  std::vector<MonteCarloItem> items;
+  std::vector<cvg::MonteCarloItem> items;
   for (const auto& line : lines.by_index) items.push_back(itemOf(Json::parse(line.second)));
   print(summarise(items));
   printReasons(items);
 }
 
 void merge(const Arguments& arguments) {
-  requireApart({arguments.output}, arguments.merge);
-  WholeFile output(arguments.output);
+  cvg::requireApart({arguments.output}, arguments.merge);
+  cvg::WholeFile output(arguments.output);
   Lines lines;
   for (const std::string& path : arguments.merge) readLines(path, lines);
   for (const auto& line : lines.by_index) output.write(line.second);
@@ -282,12 +282,13 @@ void merge(const Arguments& arguments) {
 }
 
 void runBatch(const Arguments& arguments) {
-  MonteCarlo batch;
-  batch.configuration = readConfigurationFile(arguments.configuration_file, arguments.overrides);
+  cvg::MonteCarlo batch;
+  batch.configuration =
+      cvg::readConfigurationFile(arguments.configuration_file, arguments.overrides);
   batch.random_devices = arguments.random_devices;
   const std::string name = fingerprint(batch);
 
-  requireApart({arguments.output}, batch.configuration.files);
+  cvg::requireApart({arguments.output}, batch.configuration.files);
   LineFile file(arguments.output);
   Lines lines;
   lines.batch = name;
@@ -310,7 +311,7 @@ void runBatch(const Arguments& arguments) {
                                : std::max(1u, std::thread::hardware_concurrency());
   ProgressBar progress(static_cast<double>(left.size()), "items");
   double done = 0.0;
-  runMonteCarlo(batch, left, threads, [&](const MonteCarloItem& item) {
+  cvg::runMonteCarlo(batch, left, threads, [&](const cvg::MonteCarloItem& item) {
     const std::string line = lineOf(item, name);
     file.add(line);
     lines.by_index.emplace(item.index, line);
@@ -321,10 +322,10 @@ void runBatch(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace ring_gyro::tools;
   try {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;

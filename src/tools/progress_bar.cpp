@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 constexpr double kDrawPeriod = 0.1;  // wall time [s]
@@ -50,4 +50,4 @@ void ProgressBar::clear() {
   visible_ = false;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

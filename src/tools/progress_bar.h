@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 
 /// How far a run is, on a terminal only; elsewhere it says nothing.
 class ProgressBar {
@@ -42,4 +42,4 @@ class ProgressBar {
   WallClock::time_point drawn_at_ = started_at_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

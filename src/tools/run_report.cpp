@@ -9,81 +9,83 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/formatted.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 void printIdentification(std::string& text, const char* title, bool fits,
-                         const std::optional<IdentificationResult>& result) {
+                         const std::optional<cvg::IdentificationResult>& result) {
   if (!result) {
-    text += formatted("%s: no estimate\n", title);
+    text += cvg::formatted("%s: no estimate\n", title);
     return;
   }
-  text += formatted("%s, at %.1f s: %.1f s of data, %s\n", title, result->time, result->used_time,
-                    !fits               ? "does not fit the data"
-                    : result->converged ? "converged"
-                                        : "not converged");
-  text += formatted("  %-12s %15s %15s %11s %11s\n", "parameter", "truth", "estimate", "sigma",
-                    "error");
-  for (const ParameterResult& p : result->parameters) {
+  text +=
+      cvg::formatted("%s, at %.1f s: %.1f s of data, %s\n", title, result->time, result->used_time,
+                     !fits               ? "does not fit the data"
+                     : result->converged ? "converged"
+                                         : "not converged");
+  text += cvg::formatted("  %-12s %15s %15s %11s %11s\n", "parameter", "truth", "estimate", "sigma",
+                         "error");
+  for (const cvg::ParameterResult& p : result->parameters) {
     const double scale = p.relative ? std::abs(p.truth) : 1.0;
-    text +=
-        formatted("  %-12s % 15.7e % 15.7e %11.1e % 11.1e%s\n", p.name.c_str(), p.truth, p.estimate,
-                  p.sigma / scale, p.error() / scale, p.relative ? " (relative)" : "");
+    text += cvg::formatted("  %-12s % 15.7e % 15.7e %11.1e % 11.1e%s\n", p.name.c_str(), p.truth,
+                           p.estimate, p.sigma / scale, p.error() / scale,
+                           p.relative ? " (relative)" : "");
   }
 }
 
-using DriftValue = double (*)(const DriftResult&);
+using DriftValue = double (*)(const cvg::DriftResult&);
 
 void printDriftRow(std::string& text, const char* name, const char* pattern,
-                   const RunSummary& summary, DriftValue value) {
-  text += formatted("  %-38s", name);
-  for (const DriftResult* drift : {&summary.before, &summary.after}) {
+                   const cvg::RunSummary& summary, DriftValue value) {
+  text += cvg::formatted("  %-38s", name);
+  for (const cvg::DriftResult* drift : {&summary.before, &summary.after}) {
     char cell[32] = "-";
     if (drift->harmonics) std::snprintf(cell, sizeof(cell), pattern, value(*drift));
-    text += formatted(" %13s", cell);
+    text += cvg::formatted(" %13s", cell);
   }
   text += "\n";
 }
 
 template <int harmonic>
-double amplitudeInDegrees(const DriftResult& drift) {
-  return toDegrees(drift.harmonics->amplitude(harmonic));
+double amplitudeInDegrees(const cvg::DriftResult& drift) {
+  return cvg::toDegrees(drift.harmonics->amplitude(harmonic));
 }
 
-void printDriftTable(std::string& text, const RunRecord& record, const RunSummary& summary) {
-  text += formatted("sensed rate against pattern angle%5s %13s %13s\n", "", "before", "after");
+void printDriftTable(std::string& text, const cvg::RunRecord& record,
+                     const cvg::RunSummary& summary) {
+  text += cvg::formatted("sensed rate against pattern angle%5s %13s %13s\n", "", "before", "after");
   const auto row = [&](const char* name, const char* format, DriftValue value) {
     printDriftRow(text, name, format, summary, value);
   };
-  row("from [s]", "%.1f", [](const DriftResult& d) { return d.harmonics->begin_time; });
-  row("to [s]", "%.1f", [](const DriftResult& d) { return d.harmonics->end_time; });
+  row("from [s]", "%.1f", [](const cvg::DriftResult& d) { return d.harmonics->begin_time; });
+  row("to [s]", "%.1f", [](const cvg::DriftResult& d) { return d.harmonics->end_time; });
   row("whole turns", "%.0f",
-      [](const DriftResult& d) { return static_cast<double>(d.harmonics->whole_turns); });
+      [](const cvg::DriftResult& d) { return static_cast<double>(d.harmonics->whole_turns); });
   row("mean [deg/s]", "%.6f",
-      [](const DriftResult& d) { return toDegrees(-d.harmonics->mean_rate); });
+      [](const cvg::DriftResult& d) { return cvg::toDegrees(-d.harmonics->mean_rate); });
   if (!record.rotated()) {
     row("virtual rate [deg/s]", "%.6f",
-        [](const DriftResult& d) { return toDegrees(d.virtual_rate); });
+        [](const cvg::DriftResult& d) { return cvg::toDegrees(d.virtual_rate); });
     row("mean / virtual rate - 1", "%.2e",
-        [](const DriftResult& d) { return -d.harmonics->mean_rate / d.virtual_rate - 1.0; });
+        [](const cvg::DriftResult& d) { return -d.harmonics->mean_rate / d.virtual_rate - 1.0; });
   }
   row("harmonics 1 to 8, peak to peak [deg/s]", "%.5f",
-      [](const DriftResult& d) { return toDegrees(d.harmonics->peak_to_peak); });
+      [](const cvg::DriftResult& d) { return cvg::toDegrees(d.harmonics->peak_to_peak); });
   row("harmonic 1, amplitude [deg/s]", "%.5f", amplitudeInDegrees<1>);
   row("harmonic 2, amplitude [deg/s]", "%.5f", amplitudeInDegrees<2>);
   row("harmonic 4, amplitude [deg/s]", "%.5f", amplitudeInDegrees<4>);
   row("rest about the fit, rms [deg/s]", "%.5f",
-      [](const DriftResult& d) { return toDegrees(d.harmonics->residual_rms); });
+      [](const cvg::DriftResult& d) { return cvg::toDegrees(d.harmonics->residual_rms); });
 }
 
-void printDrift(std::string& text, const RunRecord& record, const RunSummary& summary) {
+void printDrift(std::string& text, const cvg::RunRecord& record, const cvg::RunSummary& summary) {
   if (summary.before.harmonics || summary.after.harmonics) {
     printDriftTable(text, record, summary);
   }
   for (const auto& [name, drift] :
        {std::pair{"before", &summary.before}, std::pair{"after", &summary.after}}) {
     if (!drift->harmonics)
-      text += formatted("no drift %s compensation: %s\n", name, drift->missing.c_str());
+      text += cvg::formatted("no drift %s compensation: %s\n", name, drift->missing.c_str());
   }
 }
 
@@ -91,10 +93,10 @@ using Json = nlohmann::ordered_json;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json jsonOf(const std::optional<IdentificationResult>& result) {
+Json jsonOf(const std::optional<cvg::IdentificationResult>& result) {
   if (!result) return nullptr;
   Json parameters = Json::object();
-  for (const ParameterResult& p : result->parameters) {
+  for (const cvg::ParameterResult& p : result->parameters) {
     parameters[p.name] = {{"truth", number(p.truth)},
                           {"estimate", number(p.estimate)},
                           {"sigma", number(p.sigma)},
@@ -112,9 +114,9 @@ Json jsonOf(const std::optional<IdentificationResult>& result) {
           {"parameters", parameters}};
 }
 
-Json jsonOf(const DriftResult& drift) {
+Json jsonOf(const cvg::DriftResult& drift) {
   if (!drift.harmonics) return {{"missing", drift.missing}};
-  const RateHarmonics& fit = *drift.harmonics;
+  const cvg::RateHarmonics& fit = *drift.harmonics;
   return {{"begin_s", fit.begin_time},
           {"end_s", fit.end_time},
           {"whole_turns", fit.whole_turns},
@@ -128,38 +130,38 @@ Json jsonOf(const DriftResult& drift) {
 
 }  // namespace
 
-std::string summaryText(const RunRecord& record, const RunSummary& summary) {
+std::string summaryText(const cvg::RunRecord& record, const cvg::RunSummary& summary) {
   std::string text;
-  text += formatted("run: %.3f s, %zu blocks, %zu missing, %zu unlocked after the first lock\n",
-                    summary.duration, record.blocks().size(), summary.missing_blocks,
-                    summary.unlocked_blocks);
+  text += cvg::formatted(
+      "run: %.3f s, %zu blocks, %zu missing, %zu unlocked after the first lock\n", summary.duration,
+      record.blocks().size(), summary.missing_blocks, summary.unlocked_blocks);
   if (record.cut()) {
     text += "the run was cut: its end_of_run is not in the bag, or its last blocks are not\n";
   }
   if (summary.ring_up_time) {
-    text += formatted("ring-up: all loops locked after %.3f s\n", *summary.ring_up_time);
+    text += cvg::formatted("ring-up: all loops locked after %.3f s\n", *summary.ring_up_time);
   } else {
     text += "ring-up: the loops never locked\n";
   }
   if (const auto& errors = summary.loop_errors) {
-    text += formatted(
+    text += cvg::formatted(
         "loops: largest errors of the true motion from %.3f s to the end: "
         "phase %.4f deg, |b|/a %.2e, a %.2e relative\n",
-        errors->from_time, toDegrees(errors->phase), errors->quadrature, errors->amplitude);
+        errors->from_time, cvg::toDegrees(errors->phase), errors->quadrature, errors->amplitude);
   }
   text += "\n";
   if (const auto& consistency = summary.consistency) {
-    text += formatted(
+    text += cvg::formatted(
         "filter: normalised innovation squared %.3f in the mean of %zu updates (2 +- %.3f "
         "expected), %.1f %% below %.2f\n",
         consistency->mean, consistency->updates, consistency->meanTolerance(),
-        100.0 * consistency->share_inside, FilterConsistency::kBound);
+        100.0 * consistency->share_inside, cvg::FilterConsistency::kBound);
   }
   const bool fits = summary.misfit.empty();
   if (!fits) {
     text += "filter: " + summary.misfit + "\n";
   } else if (summary.converged_time) {
-    text += formatted("filter: converged from %.1f s on\n", *summary.converged_time);
+    text += cvg::formatted("filter: converged from %.1f s on\n", *summary.converged_time);
   }
   if (!summary.before_compensation || !summary.final_estimate ||
       summary.before_compensation->time != summary.final_estimate->time) {
@@ -173,7 +175,7 @@ std::string summaryText(const RunRecord& record, const RunSummary& summary) {
   return text;
 }
 
-std::string summaryJson(const RunRecord& record, const RunSummary& summary) {
+std::string summaryJson(const cvg::RunRecord& record, const cvg::RunSummary& summary) {
   Json root = {{"duration_s", summary.duration},
                {"blocks", record.blocks().size()},
                {"missing_blocks", summary.missing_blocks},
@@ -202,7 +204,7 @@ std::string summaryJson(const RunRecord& record, const RunSummary& summary) {
     root["consistency"] = {{"updates", consistency->updates},
                            {"mean", number(consistency->mean)},
                            {"mean_tolerance", consistency->meanTolerance()},
-                           {"bound", FilterConsistency::kBound},
+                           {"bound", cvg::FilterConsistency::kBound},
                            {"share_inside", consistency->share_inside}};
   }
   root["before_compensation"] = jsonOf(summary.before_compensation);
@@ -212,4 +214,4 @@ std::string summaryJson(const RunRecord& record, const RunSummary& summary) {
   return root.dump(2) + "\n";
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

@@ -6,13 +6,13 @@
 #include "ring_gyro/analysis/run_record.h"
 #include "ring_gyro/analysis/run_summary.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 
 /// The summary as tables for people: degrees, and the sensed rate, which is minus the pattern's.
-std::string summaryText(const RunRecord& record, const RunSummary& summary);
+std::string summaryText(const cvg::RunRecord& record, const cvg::RunSummary& summary);
 
 /// The same for programs, SI units; what is unknown is null.
-std::string summaryJson(const RunRecord& record, const RunSummary& summary);
+std::string summaryJson(const cvg::RunRecord& record, const cvg::RunSummary& summary);
 
 /// The files that writeSeries writes; none for an empty name.
 std::vector<std::string> seriesFiles(const std::string& directory);
@@ -24,6 +24,7 @@ void makeSeriesFolder(const std::string& directory);
 /// Series for plots, thinned to what a plot can show, as files in `directory`, which must be there:
 /// loops.csv, ring_up.csv, gains.csv, estimates.csv, rates.csv, allan.csv. Throws
 /// std::runtime_error.
-void writeSeries(const RunRecord& record, const RunSummary& summary, const std::string& directory);
+void writeSeries(const cvg::RunRecord& record, const cvg::RunSummary& summary,
+                 const std::string& directory);
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

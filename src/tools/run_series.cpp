@@ -14,7 +14,7 @@
 #include "ring_gyro/common/write_fault.h"
 #include "run_report.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 constexpr std::size_t kMostRows = 4000;  // more than a plot has columns of dots
@@ -51,12 +51,14 @@ struct Extremes {
   }
 };
 
-double phaseErrorInDegrees(const Orbit& orbit) { return toDegrees(orbit.phi + 0.5 * kPi); }
+double phaseErrorInDegrees(const cvg::Orbit& orbit) {
+  return cvg::toDegrees(orbit.phi + 0.5 * cvg::kPi);
+}
 
 std::size_t rowStep(std::size_t count) { return std::max<std::size_t>(1, count / kMostRows); }
 
 // Extremes of each bin, so that no excursion is lost by thinning.
-std::string loopsCsv(const RunRecord& record) {
+std::string loopsCsv(const cvg::RunRecord& record) {
   Table table(
       "time_s,theta_deg,a_V,beta_s,alpha,frequency_Hz,locked,"
       "phase_error_low_deg,phase_error_high_deg,b_over_a_low,b_over_a_high,"
@@ -65,9 +67,9 @@ std::string loopsCsv(const RunRecord& record) {
   const std::size_t step = rowStep(blocks.size());
   for (std::size_t first = 0; first < blocks.size(); first += step) {
     Extremes phase, quadrature, true_phase, true_quadrature;
-    const RunBlock* measured = nullptr;
+    const cvg::RunBlock* measured = nullptr;
     for (std::size_t i = first; i < std::min(first + step, blocks.size()); ++i) {
-      const RunBlock& block = blocks[i];
+      const cvg::RunBlock& block = blocks[i];
       if (block.has_elements && block.has_gains) {
         measured = &block;
         phase.add(phaseErrorInDegrees(block.measured));
@@ -79,31 +81,32 @@ std::string loopsCsv(const RunRecord& record) {
       }
     }
     if (!measured) continue;
-    table.row({record.time(*measured), toDegrees(measured->measured.theta), measured->measured.a,
-               measured->beta, measured->alpha, measured->reference_frequency / kTwoPi,
-               measured->status.locked() ? 1.0 : 0.0, phase.lowest, phase.highest,
-               quadrature.lowest, quadrature.highest, true_phase.lowest, true_phase.highest,
-               true_quadrature.lowest, true_quadrature.highest});
+    table.row({record.time(*measured), cvg::toDegrees(measured->measured.theta),
+               measured->measured.a, measured->beta, measured->alpha,
+               measured->reference_frequency / cvg::kTwoPi, measured->status.locked() ? 1.0 : 0.0,
+               phase.lowest, phase.highest, quadrature.lowest, quadrature.highest,
+               true_phase.lowest, true_phase.highest, true_quadrature.lowest,
+               true_quadrature.highest});
   }
   return table.text();
 }
 
 // Every block until a while after the loops have locked.
-std::string ringUpCsv(const RunRecord& record, const RunSummary& summary) {
+std::string ringUpCsv(const cvg::RunRecord& record, const cvg::RunSummary& summary) {
   Table table("time_s,a_V,b_over_a,phase_error_deg,frequency_Hz,locked");
   const double end = summary.ring_up_time ? std::min(2.0 * *summary.ring_up_time, 4.0) : 4.0;
-  for (const RunBlock& block : record.blocks()) {
+  for (const cvg::RunBlock& block : record.blocks()) {
     if (!block.has_elements || !block.has_gains) continue;
     if (record.time(block) > end) break;
-    const Orbit& orbit = block.measured;
+    const cvg::Orbit& orbit = block.measured;
     table.row({record.time(block), orbit.a, orbit.a > 0.0 ? orbit.b / orbit.a : NAN,
-               phaseErrorInDegrees(orbit), block.reference_frequency / kTwoPi,
+               phaseErrorInDegrees(orbit), block.reference_frequency / cvg::kTwoPi,
                block.status.locked() ? 1.0 : 0.0});
   }
   return table.text();
 }
 
-std::string estimatesCsv(const RunRecord& record) {
+std::string estimatesCsv(const cvg::RunRecord& record) {
   Table table(
       "time_s,gamma1,gamma2,mu1,mu2,ks,sigma_gamma1,sigma_gamma2,sigma_mu1,sigma_mu2,sigma_ks,"
       "residual_gamma1,residual_gamma2,normalised_innovation_squared,"
@@ -112,19 +115,19 @@ std::string estimatesCsv(const RunRecord& record) {
   const auto& estimates = record.estimates();
   const std::size_t step = rowStep(estimates.size());
   for (std::size_t i = 0; i < estimates.size(); i += step) {
-    const ParameterEstimate& e = estimates[i];
+    const cvg::ParameterEstimate& e = estimates[i];
     if (!e.updated) continue;
     table.row({record.time(e.stamp.end_ns),
-               e.value[kGamma1],
-               e.value[kGamma2],
-               e.value[kMu1],
-               e.value[kMu2],
-               e.value[kDriveGain],
-               e.sigma(kGamma1),
-               e.sigma(kGamma2),
-               e.sigma(kMu1),
-               e.sigma(kMu2),
-               e.sigma(kDriveGain),
+               e.value[cvg::kGamma1],
+               e.value[cvg::kGamma2],
+               e.value[cvg::kMu1],
+               e.value[cvg::kMu2],
+               e.value[cvg::kDriveGain],
+               e.sigma(cvg::kGamma1),
+               e.sigma(cvg::kGamma2),
+               e.sigma(cvg::kMu1),
+               e.sigma(cvg::kMu2),
+               e.sigma(cvg::kDriveGain),
                e.residual_gamma1,
                e.residual_gamma2,
                e.normalised_innovation_squared,
@@ -133,13 +136,13 @@ std::string estimatesCsv(const RunRecord& record) {
                std::sqrt(e.innovation_covariance(0, 0)),
                std::sqrt(e.innovation_covariance(1, 1)),
                e.converged ? 1.0 : 0.0,
-               toDegrees(e.angle_covered)});
+               cvg::toDegrees(e.angle_covered)});
   }
   return table.text();
 }
 
 // Means over windows of a tenth of a second, or longer when the run is long; locked blocks only.
-std::string gainsCsv(const RunRecord& record) {
+std::string gainsCsv(const cvg::RunRecord& record) {
   Table table("time_s,theta_deg,a_V,beta_s,alpha,compensated");
   constexpr double kWindow = 0.1;  // [s]
   const auto& blocks = record.blocks();
@@ -149,7 +152,7 @@ std::string gainsCsv(const RunRecord& record) {
     double count = 0.0, time = 0.0, theta = 0.0, a = 0.0, beta = 0.0, alpha = 0.0;
     bool compensated = false;
     for (std::size_t i = first; i < std::min(first + step, blocks.size()); ++i) {
-      const RunBlock& block = blocks[i];
+      const cvg::RunBlock& block = blocks[i];
       if (!block.has_elements || !block.has_gains || !block.status.locked()) continue;
       count += 1.0;
       time += record.time(block);
@@ -160,30 +163,31 @@ std::string gainsCsv(const RunRecord& record) {
       compensated = block.compensation.gain1 != 0.0 || block.compensation.gain2 != 0.0;
     }
     if (count == 0.0) continue;
-    table.row({time / count, toDegrees(theta / count), a / count, beta / count, alpha / count,
+    table.row({time / count, cvg::toDegrees(theta / count), a / count, beta / count, alpha / count,
                compensated ? 1.0 : 0.0});
   }
   return table.text();
 }
 
 // Of the sensed rate as it is (total), and less its dependence on the angle (residual).
-std::string allanCsv(const RunRecord& record, const RunSummary& summary) {
+std::string allanCsv(const cvg::RunRecord& record, const cvg::RunSummary& summary) {
   Table table("compensated,tau_s,total_deg_s,residual_deg_s,relative_sigma");
-  for (const DriftResult* drift : {&summary.before, &summary.after}) {
-    const SampleStretch stretch = longestStretch(drift->angles, record.blockDuration());
+  for (const cvg::DriftResult* drift : {&summary.before, &summary.after}) {
+    const cvg::SampleStretch stretch = cvg::longestStretch(drift->angles, record.blockDuration());
     std::vector<double> angles;
     for (std::size_t i = stretch.first; i < stretch.end; ++i) {
       angles.push_back(drift->angles[i].theta);
     }
-    const auto total = allanDeviation(angles, record.blockDuration());
-    std::vector<AllanPoint> residual;
+    const auto total = cvg::allanDeviation(angles, record.blockDuration());
+    std::vector<cvg::AllanPoint> residual;
     if (drift->harmonics) {
-      residual = allanDeviation(angleResidual(drift->angles, stretch, *drift->harmonics),
-                                record.blockDuration());
+      residual = cvg::allanDeviation(cvg::angleResidual(drift->angles, stretch, *drift->harmonics),
+                                     record.blockDuration());
     }
     for (std::size_t i = 0; i < total.size(); ++i) {
-      table.row({drift == &summary.after ? 1.0 : 0.0, total[i].time, toDegrees(total[i].deviation),
-                 i < residual.size() ? toDegrees(residual[i].deviation) : NAN,
+      table.row({drift == &summary.after ? 1.0 : 0.0, total[i].time,
+                 cvg::toDegrees(total[i].deviation),
+                 i < residual.size() ? cvg::toDegrees(residual[i].deviation) : NAN,
                  total[i].relative_sigma});
     }
   }
@@ -191,14 +195,14 @@ std::string allanCsv(const RunRecord& record, const RunSummary& summary) {
 }
 
 // compensated: 0 before, 1 after.
-std::string ratesCsv(const RunSummary& summary) {
+std::string ratesCsv(const cvg::RunSummary& summary) {
   Table table("compensated,time_s,theta_deg,sensed_rate_deg_s");
-  for (const DriftResult* drift : {&summary.before, &summary.after}) {
+  for (const cvg::DriftResult* drift : {&summary.before, &summary.after}) {
     if (!drift->harmonics) continue;
-    for (const RateSample& sample : windowedRates(drift->angles)) {
+    for (const cvg::RateSample& sample : cvg::windowedRates(drift->angles)) {
       if (sample.time < drift->harmonics->begin_time) continue;
-      table.row({drift == &summary.after ? 1.0 : 0.0, sample.time, toDegrees(sample.theta),
-                 -toDegrees(sample.rate)});
+      table.row({drift == &summary.after ? 1.0 : 0.0, sample.time, cvg::toDegrees(sample.theta),
+                 -cvg::toDegrees(sample.rate)});
     }
   }
   return table.text();
@@ -224,17 +228,18 @@ std::vector<std::string> seriesFiles(const std::string& directory) {
 
 void makeSeriesFolder(const std::string& directory) {
   if (mkdir(directory.c_str(), 0777) != 0 && errno != EEXIST) {
-    throw std::runtime_error(writeFault(directory, errno));
+    throw std::runtime_error(cvg::writeFault(directory, errno));
   }
 }
 
-void writeSeries(const RunRecord& record, const RunSummary& summary, const std::string& directory) {
-  writeWholeFile(directory + kLoops, loopsCsv(record));
-  writeWholeFile(directory + kRingUp, ringUpCsv(record, summary));
-  writeWholeFile(directory + kGains, gainsCsv(record));
-  writeWholeFile(directory + kEstimates, estimatesCsv(record));
-  writeWholeFile(directory + kRates, ratesCsv(summary));
-  writeWholeFile(directory + kAllan, allanCsv(record, summary));
+void writeSeries(const cvg::RunRecord& record, const cvg::RunSummary& summary,
+                 const std::string& directory) {
+  cvg::writeWholeFile(directory + kLoops, loopsCsv(record));
+  cvg::writeWholeFile(directory + kRingUp, ringUpCsv(record, summary));
+  cvg::writeWholeFile(directory + kGains, gainsCsv(record));
+  cvg::writeWholeFile(directory + kEstimates, estimatesCsv(record));
+  cvg::writeWholeFile(directory + kRates, ratesCsv(summary));
+  cvg::writeWholeFile(directory + kAllan, allanCsv(record, summary));
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools

@@ -21,7 +21,7 @@
 #include "ring_gyro/ros/loop_recorder.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -36,15 +36,15 @@ struct Arguments {
 };
 
 struct Summary {
-  BlockStamp last;
+  cvg::BlockStamp last;
   double simulated = 0.0;              // [s]
   double wall = 0.0;                   // [s]
   std::optional<double> locked_after;  // [s]
-  std::optional<ParameterEstimate> estimate;
-  NisTally nis;
+  std::optional<cvg::ParameterEstimate> estimate;
+  cvg::NisTally nis;
   bool converged = false;  // the identifier has said so
-  std::optional<CompensationDecision> decision;
-  OrbitalElements elements;
+  std::optional<cvg::CompensationDecision> decision;
+  cvg::OrbitalElements elements;
   std::uint64_t messages = 0;
 };
 
@@ -65,13 +65,13 @@ std::optional<Arguments> parse(int argc, char** argv) {
     return std::nullopt;
   }
   if (values.count("parameters") != 0) {
-    std::cout << parametersMarkdown();
+    std::cout << cvg::parametersMarkdown();
     return std::nullopt;
   }
   return arguments;
 }
 
-void take(const ParameterEstimate& estimate, Summary& summary) {
+void take(const cvg::ParameterEstimate& estimate, Summary& summary) {
   summary.estimate = estimate;
   if (estimate.updated) {
     summary.nis.add(estimate.normalised_innovation_squared, summary.converged);
@@ -79,10 +79,10 @@ void take(const ParameterEstimate& estimate, Summary& summary) {
   summary.converged = summary.converged || estimate.converged;
 }
 
-Summary simulate(const LoopConfiguration& configuration, const Arguments& arguments) {
-  requireApart({arguments.output_file}, configuration.files);
-  ClosedLoop loop(configuration);
-  std::optional<LoopRecorder> recorder;
+Summary simulate(const cvg::LoopConfiguration& configuration, const Arguments& arguments) {
+  cvg::requireApart({arguments.output_file}, configuration.files);
+  cvg::ClosedLoop loop(configuration);
+  std::optional<bridge::LoopRecorder> recorder;
   if (!arguments.output_file.empty()) recorder.emplace(arguments.output_file, arguments.raw);
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
@@ -91,7 +91,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
   Summary summary;
   const auto begin = std::chrono::steady_clock::now();
   for (std::uint64_t block = 0; (blocks == 0 || block < blocks) && interrupted == 0; ++block) {
-    const LoopRecord record = loop.step();
+    const cvg::LoopRecord record = loop.step();
     if (recorder) recorder->write(record);
     if (record.estimate) take(*record.estimate, summary);
     if (record.decision) summary.decision = *record.decision;
@@ -111,7 +111,7 @@ Summary simulate(const LoopConfiguration& configuration, const Arguments& argume
   return summary;
 }
 
-void print(const Summary& summary, const LoopConfiguration& configuration,
+void print(const Summary& summary, const cvg::LoopConfiguration& configuration,
            const Arguments& arguments) {
   std::printf("simulated  %.3f s in %.2f s, %.1f times real time%s\n", summary.simulated,
               summary.wall, summary.simulated / summary.wall,
@@ -119,22 +119,22 @@ void print(const Summary& summary, const LoopConfiguration& configuration,
   if (summary.locked_after) {
     std::printf("locked     after %.3f s; at the end a %.5f V, pattern at %.4f deg/s\n",
                 *summary.locked_after, summary.elements.orbit.a,
-                toDegrees(summary.elements.theta_rate));
+                cvg::toDegrees(summary.elements.theta_rate));
   } else {
     std::printf("locked     never\n");
   }
   if (summary.estimate) {
-    const StateVector& value = summary.estimate->value;
-    const ResonatorParameters& truth = configuration.plant.resonator;
-    const auto line = [&](const char* name, StateIndex index, double true_value) {
+    const cvg::StateVector& value = summary.estimate->value;
+    const cvg::ResonatorParameters& truth = configuration.plant.resonator;
+    const auto line = [&](const char* name, cvg::StateIndex index, double true_value) {
       std::printf("%-10s % .6e +- %.1e, true % .6e\n", name, value[index],
                   summary.estimate->sigma(index), true_value);
     };
-    line("gamma1", kGamma1, truth.gamma1);
-    line("gamma2", kGamma2, truth.gamma2);
-    line("mu1", kMu1, truth.mu1);
-    line("mu2", kMu2, truth.mu2);
-    line("ks", kDriveGain, truth.driveGain());
+    line("gamma1", cvg::kGamma1, truth.gamma1);
+    line("gamma2", cvg::kGamma2, truth.gamma2);
+    line("mu1", cvg::kMu1, truth.mu1);
+    line("mu2", cvg::kMu2, truth.mu2);
+    line("ks", cvg::kDriveGain, truth.driveGain());
     std::printf("estimate   %s, %lu blocks used, %lu rejected, %lu lost\n",
                 !summary.nis.misfit().empty() ? "does not fit the data"
                 : summary.estimate->converged ? "converged"
@@ -144,8 +144,9 @@ void print(const Summary& summary, const LoopConfiguration& configuration,
                 static_cast<unsigned long>(summary.estimate->lost_blocks));
   }
   if (summary.decision && configuration.control.compensation) {
-    std::printf("injector   %s, cancels gamma (%.6f, %.6f)\n", toString(summary.decision->state),
-                summary.decision->gamma1, summary.decision->gamma2);
+    std::printf("injector   %s, cancels gamma (%.6f, %.6f)\n",
+                cvg::toString(summary.decision->state), summary.decision->gamma1,
+                summary.decision->gamma2);
   }
   if (!arguments.output_file.empty()) {
     std::printf("recorded   %lu messages in %s\n", static_cast<unsigned long>(summary.messages),
@@ -154,16 +155,16 @@ void print(const Summary& summary, const LoopConfiguration& configuration,
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace ring_gyro::tools;
   try {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;
     std::vector<std::string> overrides;
     if (!arguments->duration.empty()) overrides.push_back("run/duration=" + arguments->duration);
-    const LoopConfiguration configuration = arguments->configuration.read(overrides);
+    const cvg::LoopConfiguration configuration = arguments->configuration.read(overrides);
     print(simulate(configuration, *arguments), configuration, *arguments);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

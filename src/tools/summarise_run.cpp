@@ -20,7 +20,7 @@
 #include "ring_gyro/ros/messages.h"
 #include "run_report.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -35,7 +35,7 @@ struct Arguments {
   std::string bag_file;
   std::string json_file;
   std::string csv_directory;
-  SummaryOptions summary;
+  cvg::SummaryOptions summary;
 };
 
 /// Nothing when the program has already said what was asked (--help).
@@ -66,37 +66,37 @@ std::optional<Arguments> parse(int argc, char** argv) {
 }
 
 /// Topics are told apart by type, so that namespaces and remapping do not matter.
-RunRecord readBag(const std::string& path, RefusedMessages& refused) {
-  BagFile bag(path);
+cvg::RunRecord readBag(const std::string& path, bridge::RefusedMessages& refused) {
+  bridge::BagFile bag(path);
   bag.requireWhole();
   std::map<std::string, std::string> topics;  // by type
-  for (const BagConnection& connection : bag.connections()) {
+  for (const bridge::BagConnection& connection : bag.connections()) {
     const auto [found, fresh] = topics.emplace(connection.type, connection.topic);
     if (!fresh && found->second != connection.topic &&
         connection.type.rfind("ring_gyro/", 0) == 0) {
-      throw BagError(path + ": two topics of " + connection.type + ", " + found->second + " and " +
-                     connection.topic + ": filter one out with rosbag filter");
+      throw bridge::BagError(path + ": two topics of " + connection.type + ", " + found->second +
+                             " and " + connection.topic + ": filter one out with rosbag filter");
     }
   }
   for (const char* type : {"ring_gyro/OrbitalElements", "ring_gyro/ControlGains"}) {
     if (topics.count(type) == 0) {
-      throw BagError(path + ": no messages of " + type +
-                     "; record the topics orbital_elements and control_gains");
+      throw bridge::BagError(path + ": no messages of " + type +
+                             "; record the topics orbital_elements and control_gains");
     }
   }
-  RunRecord record;
-  BagSinks sinks;
+  cvg::RunRecord record;
+  bridge::BagSinks sinks;
   const auto add = [&record](const auto& signal) { record.add(signal); };
-  addSignals<ring_gyro_msgs::OrbitalElements, OrbitalElements>(bag, add, sinks, refused);
-  addSignals<ring_gyro_msgs::ControlGains, ControlGains>(bag, add, sinks, refused);
-  addSignals<ring_gyro_msgs::PlantTruth, PlantTruth>(bag, add, sinks, refused);
-  addSignals<ring_gyro_msgs::ParameterEstimate, ParameterEstimate>(bag, add, sinks, refused);
-  addMessages<ring_gyro_msgs::EndOfRun>(
+  bridge::addSignals<ring_gyro::OrbitalElements, cvg::OrbitalElements>(bag, add, sinks, refused);
+  bridge::addSignals<ring_gyro::ControlGains, cvg::ControlGains>(bag, add, sinks, refused);
+  bridge::addSignals<ring_gyro::PlantTruth, cvg::PlantTruth>(bag, add, sinks, refused);
+  bridge::addSignals<ring_gyro::ParameterEstimate, cvg::ParameterEstimate>(bag, add, sinks, refused);
+  bridge::addMessages<ring_gyro::EndOfRun>(
       bag, [&record](const auto& end) { record.end(end.session, end.last_sequence); }, sinks);
   try {
     bag.read(sinks);
   } catch (const std::exception& error) {
-    throw BagError(path + ": " + error.what());
+    throw bridge::BagError(path + ": " + error.what());
   }
   bag.requireWhole();
   return record;
@@ -106,16 +106,16 @@ RunRecord readBag(const std::string& path, RefusedMessages& refused) {
 int run(const Arguments& arguments) {
   std::vector<std::string> outputs = seriesFiles(arguments.csv_directory);
   outputs.push_back(arguments.json_file);
-  requireApart(outputs, {arguments.bag_file});
+  cvg::requireApart(outputs, {arguments.bag_file});
   // The JSON may go into the folder that is made for the series.
   if (!arguments.csv_directory.empty()) makeSeriesFolder(arguments.csv_directory);
-  requireWritable(arguments.json_file);
-  RefusedMessages refused;
-  const RunRecord record = readBag(arguments.bag_file, refused);
-  const RunSummary summary = summarise(record, arguments.summary);
+  cvg::requireWritable(arguments.json_file);
+  bridge::RefusedMessages refused;
+  const cvg::RunRecord record = readBag(arguments.bag_file, refused);
+  const cvg::RunSummary summary = summarise(record, arguments.summary);
   if (!arguments.csv_directory.empty()) writeSeries(record, summary, arguments.csv_directory);
   if (!arguments.json_file.empty()) {
-    writeWholeFile(arguments.json_file, summaryJson(record, summary));
+    cvg::writeWholeFile(arguments.json_file, summaryJson(record, summary));
   }
   std::fputs(summaryText(record, summary).c_str(), stdout);
   std::fflush(stdout);
@@ -128,12 +128,12 @@ int run(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
   try {
-    const auto arguments = ring_gyro::parse(argc, argv);
-    return arguments ? ring_gyro::run(*arguments) : EXIT_SUCCESS;
+    const auto arguments = ring_gyro::tools::parse(argc, argv);
+    return arguments ? ring_gyro::tools::run(*arguments) : EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "summarise_run: %s\n", error.what());
     return EXIT_FAILURE;

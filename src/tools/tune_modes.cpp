@@ -17,30 +17,30 @@
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/simulation/mode_tuning.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
 
-std::string voltageSection(const TuningPass& pass) {
-  ResonatorParameters ring;
+std::string voltageSection(const cvg::TuningPass& pass) {
+  cvg::ResonatorParameters ring;
   pass.squares.applyTo(ring);
-  Section section{"resonator", {}};
+  cvg::Section section{"resonator", {}};
   ring.declare(section.table);
-  return formatted("# Found by tune_modes: identified split %.3e Hz.\n", pass.split) +
-         configurationYaml(section, {"tuning_voltage_0", "tuning_voltage_90", "tuning_voltage_45",
-                                     "tuning_voltage_135"});
+  return cvg::formatted("# Found by tune_modes: identified split %.3e Hz.\n", pass.split) +
+         cvg::configurationYaml(section, {"tuning_voltage_0", "tuning_voltage_90",
+                                          "tuning_voltage_45", "tuning_voltage_135"});
 }
 
-void run(const LoopConfiguration& configuration, const TuningOptions& tuning,
+void run(const cvg::LoopConfiguration& configuration, const cvg::TuningOptions& tuning,
          const std::string& output_file) {
-  requireApart({output_file}, configuration.files);
-  WholeFile output(output_file);
+  cvg::requireApart({output_file}, configuration.files);
+  cvg::WholeFile output(output_file);
   std::printf("pass  V(0)      V(90)     V(45)     V(135)    identified split   true split\n");
   int number = 0;
-  const std::vector<TuningPass> passes =
-      tuneModes(configuration, tuning, [&](const TuningPass& pass) {
-        ResonatorParameters ring;
+  const std::vector<cvg::TuningPass> passes =
+      cvg::tuneModes(configuration, tuning, [&](const cvg::TuningPass& pass) {
+        cvg::ResonatorParameters ring;
         pass.squares.applyTo(ring);
         std::printf("%4d  %8.4f  %8.4f  %8.4f  %8.4f  %12.4e Hz    %12.4e Hz\n", ++number,
                     ring.tuning_voltage_0, ring.tuning_voltage_90, ring.tuning_voltage_45,
@@ -56,13 +56,13 @@ void run(const LoopConfiguration& configuration, const TuningOptions& tuning,
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
-  using namespace ring_gyro;
+  using namespace ring_gyro::tools;
   try {
     ConfigurationOptions configuration_options;
-    TuningOptions tuning;
+    cvg::TuningOptions tuning;
     std::string output_file;
     options::options_description description("tune_modes");
     configuration_options.addTo(description);
@@ -79,13 +79,13 @@ int main(int argc, char** argv) {
       std::cout << "usage: tune_modes --config FILE [--output VOLTAGES.yaml]\n" << description;
       return EXIT_SUCCESS;
     }
-    const LoopConfiguration configuration = configuration_options.read();
+    const cvg::LoopConfiguration configuration = configuration_options.read();
     if (tuning.assumed_tuning_gain == 0.0) {
       tuning.assumed_tuning_gain = configuration.plant.resonator.tuning_gain;
     }
-    ParameterTable table;
+    cvg::ParameterTable table;
     tuning.declare(table);
-    requireInRange(table, "--");
+    cvg::requireInRange(table, "--");
     run(configuration, tuning, output_file);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

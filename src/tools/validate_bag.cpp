@@ -14,7 +14,7 @@
 #include "command_line.h"
 #include "ring_gyro/ros/bag_validation.h"
 
-namespace ring_gyro {
+namespace ring_gyro::tools {
 namespace {
 
 namespace options = boost::program_options;
@@ -23,13 +23,14 @@ constexpr int kFine = 0;
 constexpr int kWarnings = 1;
 constexpr int kFaults = 2;
 
-int validate(const std::string& path, const LoopTopics& topics) {
+int validate(const std::string& path, const bridge::LoopTopics& topics) {
   try {
-    const BagValidation result = validateBag(path, topics);
+    const bridge::BagValidation result = bridge::validateBag(path, topics);
     std::printf("%s: %s\n", path.c_str(), result.summary.c_str());
-    for (const Finding& finding : result.findings) {
+    for (const bridge::Finding& finding : result.findings) {
       std::printf("%s: %s: %s\n", path.c_str(),
-                  finding.severity == Severity::kFault ? "fault" : "warning", finding.text.c_str());
+                  finding.severity == bridge::Severity::kFault ? "fault" : "warning",
+                  finding.text.c_str());
     }
     if (result.findings.empty()) std::printf("%s: fine\n", path.c_str());
     return result.hasFault() ? kFaults : result.findings.empty() ? kFine : kWarnings;
@@ -41,7 +42,7 @@ int validate(const std::string& path, const LoopTopics& topics) {
 
 int run(int argc, char** argv) {
   std::vector<std::string> bags;
-  LoopTopics topics;
+  bridge::LoopTopics topics;
   options::options_description description("validate_bag");
   description.add_options()("help,h", "this text")("bag", options::value(&bags), "recorded runs")(
       "elements", options::value(&topics.elements), "topic of the orbital elements")(
@@ -60,14 +61,14 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace ring_gyro
+}  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
   console_bridge::noOutputHandler();  // faults are said once, here
   try {
-    return ring_gyro::run(argc, argv);
+    return ring_gyro::tools::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "validate_bag: %s\n", error.what());
-    return ring_gyro::kFaults;
+    return ring_gyro::tools::kFaults;
   }
 }

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/analysis/rate_harmonics.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Allan deviation of a rate at one averaging time.
 struct AllanPoint {
@@ -36,4 +36,4 @@ SampleStretch longestStretch(const std::vector<AngleSample>& samples, double per
 std::vector<double> angleResidual(const std::vector<AngleSample>& samples,
                                   const SampleStretch& stretch, const RateHarmonics& fit);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Pattern angle at one moment.
 struct AngleSample {
@@ -56,4 +56,4 @@ double windowOfTurns(const std::vector<AngleSample>& samples, double period);
 /// Throws like fitRateHarmonics, but asks for no turn.
 std::vector<RateSample> windowedRates(const std::vector<AngleSample>& samples, double window = 0.1);
 
-}  // namespace ring_gyro
+}  // namespace cvg

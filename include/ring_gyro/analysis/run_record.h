@@ -11,7 +11,7 @@
 #include "ring_gyro/identification/parameter_estimate.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What a run says of one block; a part that never came stays as it is here.
 struct RunBlock {
@@ -77,4 +77,4 @@ class RunRecord {
   std::map<std::uint32_t, std::uint64_t> ends_;  // last block by session
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -10,7 +10,7 @@
 #include "ring_gyro/analysis/rate_harmonics.h"
 #include "ring_gyro/analysis/run_record.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// One identified parameter against what the device really has.
 struct ParameterResult {
@@ -90,4 +90,4 @@ struct SummaryOptions {
 
 RunSummary summarise(const RunRecord& record, const SummaryOptions& options = {});
 
-}  // namespace ring_gyro
+}  // namespace cvg

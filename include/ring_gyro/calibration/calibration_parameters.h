@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// How a calibration run is made. Rates are those of steering unless said; times do not hold the
 /// settling before each leg.
@@ -41,4 +41,4 @@ struct CalibrationRunParameters {
   void declare(ParameterTable& table);
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -14,7 +14,7 @@
 #include "ring_gyro/control/loop_settings.h"
 #include "ring_gyro/identification/extended_identifier.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What a calibration run asks of the loops, and how far it is.
 struct CalibrationCommand {
@@ -122,4 +122,4 @@ class CalibrationProcedure {
   CalibrationResult result_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

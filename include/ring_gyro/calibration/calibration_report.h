@@ -4,9 +4,9 @@
 
 #include "ring_gyro/calibration/calibration_result.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// The result as tables for people, degrees and seconds.
 std::string calibrationText(const CalibrationResult& result);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 #include "ring_gyro/common/angle_harmonics.h"
 #include "ring_gyro/control/calibration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A parameter of the device as the extended identifier found it.
 struct IdentifiedParameter {
@@ -66,4 +66,4 @@ struct CalibrationResult {
   std::vector<std::string> missing;  ///< stages that are still to come; empty: it is complete
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include "ring_gyro/analysis/rate_harmonics.h"
 #include "ring_gyro/common/angle_harmonics.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Rates of the pattern against its angle at equal and opposite rotation: what does not change sign
 /// with the rotation is drift, what does is the scale of the angle.
@@ -33,4 +33,4 @@ AngleHarmonics angleMapOf(const AngleHarmonics& odd_rate, int orders);
 /// `rotation_rate`: the angular gain k. Both [rad/s].
 double angularGainOf(const AngleHarmonics& odd_rate, double rotation_rate);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 #include <new>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Allocates at the width of the widest vector register, so that no load of the kernels crosses a
 /// cache line.
@@ -34,4 +34,4 @@ bool operator!=(const RegisterAllocator<T>&, const RegisterAllocator<U>&) {
 /// Samples for the kernels of vector_kernels.h.
 using AlignedVector = std::vector<double, RegisterAllocator<double>>;
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kTwoPi = 2.0 * kPi;
@@ -25,4 +25,4 @@ inline double wrapToPi(double angle) {
 constexpr double toDegrees(double radians) { return radians * (180.0 / kPi); }
 constexpr double toRadians(double degrees) { return degrees * (kPi / 180.0); }
 
-}  // namespace ring_gyro
+}  // namespace cvg

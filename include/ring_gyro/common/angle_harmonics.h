@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A periodic function of the pattern angle,
 /// constant + sum over n of [cosine_n cos(n theta) + sine_n sin(n theta)].
@@ -67,4 +67,4 @@ struct AngleHarmonics {
 
 inline AngleHarmonics scaled(AngleHarmonics function, double factor) { return function *= factor; }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Which block of converter samples something belongs to, and when that block was.
 ///
@@ -18,4 +18,4 @@ struct BlockStamp {
   double end() const { return 1e-9 * static_cast<double>(end_ns); }            ///< [s]
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Clock of the converters and length of the blocks in which samples are handed on.
 struct ConverterParameters {
@@ -25,4 +25,4 @@ struct ConverterParameters {
   void declare(ParameterTable& table);
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// As std::printf prints it; lines of up to 511 characters.
 #if defined(__GNUC__)
@@ -11,4 +11,4 @@ __attribute__((format(printf, 1, 2)))
 std::string
 formatted(const char* pattern, ...);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace ring_gyro {
+namespace cvg {
 
 // Several numbers worked on side by side. The compiler splits them where a machine's registers are
 // narrower, so a function marked RING_GYRO_VECTOR_CLONES uses whatever width it finds. Handed over
@@ -48,4 +48,4 @@ inline double sumOf(const Lanes& lanes) {
          ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 #include "ring_gyro/common/descriptor.h"
 #include "ring_gyro/common/output_target.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Where one output of a program goes: what every writer of the package promises, once.
 ///
@@ -63,4 +63,4 @@ class OutputFile {
   std::string temporary_name_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What a path leads to as an output, links followed.
 struct OutputTarget {
@@ -27,4 +27,4 @@ OutputTarget outputTarget(const std::string& path);
 /// over; so is what is no file to be destroyed (/dev/null, a terminal). Throws std::runtime_error.
 void requireApart(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 
 #include "ring_gyro/common/lanes.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 // Algebra of two numbers, such as what belongs to a and b, in one register. Eigen writes them one
 // by one and reads them as two, for which a processor waits as long as for a division.
@@ -61,4 +61,4 @@ inline Square symmetric(const Square& matrix) {
   return {TwoLanes{matrix.first[0], off}, TwoLanes{off, matrix.second[1]}};
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

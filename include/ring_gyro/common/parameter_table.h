@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Closed interval of allowed values; `above` makes the lower end open.
 struct Range {
@@ -77,4 +77,4 @@ struct Section {
 };
 using Sections = std::vector<Section>;
 
-}  // namespace ring_gyro
+}  // namespace cvg

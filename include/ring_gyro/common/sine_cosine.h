@@ -5,7 +5,7 @@
 #include "ring_gyro/common/lanes.h"
 #include "ring_gyro/common/vector_dispatch.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// One after the other, by the library.
 template <typename Vector>
@@ -64,4 +64,4 @@ inline void sineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
   cosine = (Vector)(((Whole)even ^ exchange) ^ (((quarter + 1) << 62) & sign));
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

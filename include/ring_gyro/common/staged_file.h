@@ -4,7 +4,7 @@
 
 #include "ring_gyro/common/whole_file.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A file that a long run completes at its end; what there is until then is kept beside it, so that
 /// a run that fails or is killed leaves what it has found, and never over the file of an earlier
@@ -30,4 +30,4 @@ class StagedFile {
   std::string kept_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Calls work(i) for i = From to To - 1, each i a compile-time constant: a loop over the elements
 /// of a small matrix, with no loop left in the program.
@@ -14,4 +14,4 @@ inline void unrolled(Work&& work) {
   }
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

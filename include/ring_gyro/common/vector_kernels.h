@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Loops over the samples of a block, the only code that runs at the converter rate. Each gives the
 /// same bits whatever the vector width of the machine (see vector_dispatch.h).
@@ -82,4 +82,4 @@ double weightedSum(const double* weights, const double* values, std::size_t coun
 /// Sum of `count` values, any number of them: finite unless one is not, or it overflows.
 double sumOf(const double* values, std::size_t count);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/output_file.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A text output with the promises of OutputFile. To be made before a long run: whether the file
 /// can be written is told then, and nobody else writes it meanwhile.
@@ -36,4 +36,4 @@ void writeWholeFile(const std::string& path, const std::string& text);
 /// Throws as WholeFile.
 void requireWritable(const std::string& path);
 
-}  // namespace ring_gyro
+}  // namespace cvg

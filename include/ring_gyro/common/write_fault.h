@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// One line for a file or folder that could not be written: which, the reason (an errno), the mend.
 std::string writeFault(const std::string& path, int reason);
@@ -13,4 +13,4 @@ std::string writeFault(const std::string& path, int reason);
 /// std::runtime_error with the line of writeFault for `path`.
 void writeAll(int descriptor, const char* data, std::size_t size, const std::string& path);
 
-}  // namespace ring_gyro
+}  // namespace cvg

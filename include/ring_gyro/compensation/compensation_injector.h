@@ -7,7 +7,7 @@
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/identification/parameter_estimate.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 struct InjectorParameters {
   double natural_frequency = 0.0;   ///< f0, as the identifier was told [Hz]
@@ -82,4 +82,4 @@ class CompensationInjector {
   CompensationDecision decision_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

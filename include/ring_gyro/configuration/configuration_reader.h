@@ -10,7 +10,7 @@
 #include "ring_gyro/configuration/node_parameters.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Everything that is wrong with a configuration, not only the first of it.
 class ConfigurationError : public std::runtime_error {
@@ -51,4 +51,4 @@ LoopConfiguration readConfigurationFiles(const std::vector<std::string>& paths,
 /// Reference of all parameters: a heading and a table for each section.
 std::string parametersMarkdown();
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// The sections with all their keys and present values, as a configuration file has them.
 /// Throws std::runtime_error with a line for each value that the reader would refuse.
@@ -21,4 +21,4 @@ std::string configurationYaml(const Section& section, const std::vector<std::str
 /// result that is not complete says what is missing. Throws as configurationYaml.
 std::string calibrationYaml(const CalibrationResult& result, DeviceKnowledge device);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// How a node of the graph behaves; the same section serves every node, the offline tools check it
 /// and pass it over.
@@ -42,4 +42,4 @@ struct NodeParameters {
   void declare(ParameterTable& table);
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// The number that `text` wholly is, written with digits, point and exponent, or as nan, inf or
 /// YAML's .nan, .inf (then not finite); nothing when it is something else. Whatever the locale.
@@ -23,4 +23,4 @@ std::string allowedText(const Parameter& parameter);
 /// Present value of the target, as the configuration file would have it.
 std::string valueText(const Parameter& parameter);
 
-}  // namespace ring_gyro
+}  // namespace cvg

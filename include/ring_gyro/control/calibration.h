@@ -5,7 +5,7 @@
 #include "ring_gyro/common/angle_harmonics.h"
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// How the path from the commanded drive to the measured motion departs from ks alone, the whole of
 /// what a linear error can do to it:
@@ -68,4 +68,4 @@ struct Calibration {
   void declare(ParameterTable& table);
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 #include "ring_gyro/common/block_stamp.h"
 #include "ring_gyro/demodulation/orbital_elements.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Why the numbers of a block were refused where they came in.
 enum class Refusal : std::uint8_t {
@@ -75,4 +75,4 @@ struct ControlGains {
   LoopStatus status;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -18,7 +18,7 @@
 #include "ring_gyro/resonator/displacement_block.h"
 #include "ring_gyro/resonator/drive_command.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What one displacement block leads to.
 struct LoopOutput {
@@ -112,4 +112,4 @@ class ControlLoops {
   LoopOutput output_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -2,7 +2,7 @@
 
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Natural frequency [Hz] and damping ratio of a closed loop; the gains follow from the model.
 struct LoopTuning {
@@ -34,4 +34,4 @@ struct ControlParameters {
   void declare(ParameterTable& table);
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/demodulation/orbital_elements.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What the drive is made from.
 struct DriveGains {
@@ -28,4 +28,4 @@ Eigen::Vector2cd velocityEnvelope(const Orbit& orbit, double reference_frequency
 DriveContributions synthesizeDrive(const Orbit& orbit, const DriveGains& gains,
                                    double reference_frequency, double drive_gain);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Locked once a condition has held without a break for a number of blocks.
 class LockDetector {
@@ -21,4 +21,4 @@ class LockDetector {
   std::int64_t held_ = 0;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

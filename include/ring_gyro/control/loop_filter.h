@@ -1,6 +1,6 @@
 #pragma once
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Gains of a proportional-integral controller around an integrator with gain 1.
 struct LoopGains {
@@ -34,4 +34,4 @@ class LoopFilter {
   bool saturated_ = false;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

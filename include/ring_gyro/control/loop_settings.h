@@ -2,7 +2,7 @@
 
 #include "ring_gyro/control/calibration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What a calibration run sets in the loops while they run.
 struct LoopSettings {
@@ -14,4 +14,4 @@ struct LoopSettings {
   Calibration calibration;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

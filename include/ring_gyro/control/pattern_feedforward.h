@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Learns what a loop has to do at each pattern angle and does it ahead of the loop.
 ///
@@ -40,4 +40,4 @@ class PatternFeedforward {
   Eigen::Vector3d amplitudes_ = Eigen::Vector3d::Zero();
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -11,7 +11,7 @@
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/resonator/displacement_block.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 struct DemodulationParameters {
   /// Rejection asked at twice the reference frequency [dB].
@@ -58,4 +58,4 @@ class Demodulator {
   std::array<AlignedVector, 4> mixed_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Orbit of the vibration over a cycle, equations (14)(15): an ellipse with major semi-axis a and
 /// minor semi-axis b (signed by its sense) [V] at angle theta [rad], passed with phase phi [rad]:
@@ -48,4 +48,4 @@ class AngleUnwrapper {
   double last_ = 0.0;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 
 #include "ring_gyro/demodulation/orbital_elements.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Mismatch of a device and its gain: the parameters that are identified, in the order of (29).
 struct DeviceParameters {
@@ -95,4 +95,4 @@ class AveragedModel {
   double decay_rate_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

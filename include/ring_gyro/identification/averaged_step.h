@@ -5,7 +5,7 @@
 #include "ring_gyro/common/lanes.h"
 #include "ring_gyro/identification/averaged_model.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Known inputs of a step of the averaged model. `Real`: double, or Lanes for several steps that
 /// follow one another.
@@ -38,4 +38,4 @@ inline AveragedStep<double> averagedStep(double theta, double phi, const Average
   return step;
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 #include "ring_gyro/identification/averaged_step.h"
 #include "ring_gyro/identification/parameter_lanes.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Sines and cosines of theta, phi and -2 psi of a step: of one, side by side, or of each in turn.
 template <typename Real>
@@ -225,4 +225,4 @@ struct AxesRatePairs {
   static TwoLanes swapped(const TwoLanes& pair) { return TwoLanes{pair[1], pair[0]}; }
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -11,7 +11,7 @@
 #include "ring_gyro/identification/extended_parameters.h"
 #include "ring_gyro/identification/first_look.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Result of the batch fit.
 struct BatchEstimate {
@@ -69,4 +69,4 @@ class BatchLeastSquares {
   FirstLookSum first_look_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -14,7 +14,7 @@
 #include "ring_gyro/identification/block_use.h"
 #include "ring_gyro/identification/envelope_input.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Constant inputs between two moments at which elements are valid.
 struct ChainSegment {
@@ -113,4 +113,4 @@ class BlockChain {
   std::uint64_t usable_run_ = 0;      // usable blocks without a break up to now
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

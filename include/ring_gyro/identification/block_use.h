@@ -4,7 +4,7 @@
 
 #include "ring_gyro/control/control_gains.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Whether a block can be used to identify; if not, the first reason that holds.
 enum class BlockUse : std::uint8_t {
@@ -32,4 +32,4 @@ BlockUse useOf(const OrbitalElements& elements, const ControlGains& gains, doubl
 BlockUse useOf(const OrbitalElements& elements, const ControlGains& gains,
                std::int64_t block_duration_ns);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Where a mean normalised innovation squared lies in 95 % of runs of a consistent filter, whose
 /// expected value is the degrees of freedom of one.
@@ -37,4 +37,4 @@ struct NisTally {
   std::string misfit(int degrees_of_freedom = 2) const;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 
 #include "ring_gyro/identification/envelope_model.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Outcome of one update of the envelope filter.
 struct EnvelopeUpdate {
@@ -97,4 +97,4 @@ class EnvelopeFilter {
   EnvelopeStep step_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

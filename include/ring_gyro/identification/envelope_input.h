@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Known inputs of the envelope's rate over one step.
 struct EnvelopeInput {
@@ -12,4 +12,4 @@ struct EnvelopeInput {
   double rotation_rate = 0.0;                         ///< k Om, as far as it is known [rad/s]
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 #include "ring_gyro/identification/envelope_input.h"
 #include "ring_gyro/identification/extended_state.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 using EnvelopeSensitivity = Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMostExtendedStates>;
 
@@ -65,4 +65,4 @@ class EnvelopeModel {
 
 Eigen::Vector4d realParts(const Eigen::Vector2cd& envelope);  ///< (re X, im X, re Y, im Y)
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -12,7 +12,7 @@
 #include "ring_gyro/identification/extended_parameters.h"
 #include "ring_gyro/identification/first_look.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Result of one period of the extended identifier.
 struct ExtendedEstimate {
@@ -117,4 +117,4 @@ class ExtendedIdentifier {
   double highest_theta_in_period_ = 0.0;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What the extended identifier estimates beside gamma, mu and ks, and from which knowledge it
 /// starts. Each group is switched on its own; what each needs to be seen: docs/observability.md.
@@ -57,4 +57,4 @@ struct ExtendedParameters {
   void declare(ParameterTable& table);
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include "ring_gyro/identification/extended_state.h"
 #include "ring_gyro/identification/first_look.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Physical coordinates to start from; the envelope is zero.
 ExtendedVector startValue(const ExtendedState& state, const ExtendedParameters& parameters,
@@ -18,4 +18,4 @@ ExtendedVector priorSigma(const ExtendedState& state, const ExtendedParameters& 
 ExtendedVector parameterWalk(const ExtendedState& state, const ExtendedParameters& parameters,
                              const ExtendedVector& value);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 
 #include "ring_gyro/identification/extended_parameters.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 constexpr int kMostExtendedStates = 64;
 /// Sized at run time, stored in place: no allocation.
@@ -83,4 +83,4 @@ class ExtendedState {
   double nominal_frequency_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 #include "ring_gyro/identification/parameter_lanes.h"
 #include "ring_gyro/identification/parameter_vector.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Covariance U D U' of the device parameters, U unit upper triangular, D diagonal: a square-root
 /// form, which no measurement can make negative, and which needs no scaling of the states.
@@ -221,4 +221,4 @@ class FactoredCovariance {
   Numbers diagonal_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

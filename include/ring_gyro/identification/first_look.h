@@ -4,7 +4,7 @@
 
 #include "ring_gyro/demodulation/orbital_elements.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What the first blocks tell before any estimate.
 struct FirstLook {
@@ -31,4 +31,4 @@ class FirstLookSum {
   double last_phi_ = 0.0;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 
 #include "ring_gyro/identification/averaged_model.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Response of both pick-offs (rows) to both drives (columns) at one frequency, volt per volt.
 struct FrequencyPoint {
@@ -50,4 +50,4 @@ struct RingDown {
 /// when they do not, or decay nowhere.
 std::array<VibrationMode, 2> fitRingDown(const RingDown& ring_down);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -12,7 +12,7 @@
 #include "ring_gyro/identification/interval_filter.h"
 #include "ring_gyro/identification/parameter_estimate.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 struct IdentificationParameters {
   double natural_frequency = 0.0;  ///< f0 [Hz]
@@ -120,4 +120,4 @@ class Identifier {
   double highest_theta_in_period_ = 0.0;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

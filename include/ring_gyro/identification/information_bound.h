@@ -9,7 +9,7 @@
 #include "ring_gyro/identification/envelope_model.h"
 #include "ring_gyro/identification/parameter_estimate.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Covariance of the best estimator of a state of which the first part moves, linearly, and the
 /// rest is constant: the recursion of the posterior Cramer-Rao bound, whose value needs no data but
@@ -89,4 +89,4 @@ class EnvelopeBound {
   EnvelopeStep step_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

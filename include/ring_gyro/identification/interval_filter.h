@@ -11,7 +11,7 @@
 #include "ring_gyro/identification/parameter_estimate.h"
 #include "ring_gyro/identification/parameter_lanes.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What the filter assumes of the noise.
 struct IntervalNoise {
@@ -149,4 +149,4 @@ class IntervalFilter {
   Square noise_sum_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

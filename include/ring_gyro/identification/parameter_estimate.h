@@ -8,7 +8,7 @@
 #include "ring_gyro/common/block_stamp.h"
 #include "ring_gyro/identification/parameter_vector.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 using StateVector = Eigen::Matrix<double, 7, 1>;
 using StateMatrix = Eigen::Matrix<double, 7, 7>;
@@ -51,4 +51,4 @@ struct ParameterEstimate {
   double sigma(StateIndex index) const { return std::sqrt(variance(index)); }
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

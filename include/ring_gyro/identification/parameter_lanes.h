@@ -4,7 +4,7 @@
 #include "ring_gyro/common/pairs.h"
 #include "ring_gyro/identification/parameter_vector.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A number for each device parameter, in the order of (29): gamma1, gamma2, mu1, mu2 side by side,
 /// and ks.
@@ -73,4 +73,4 @@ inline TwoLanes product(const ParameterRows& rows, const ParameterLanes& paramet
   return TwoLanes{sumOf(rows.first * parameters), sumOf(rows.second * parameters)};
 }
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 
 #include "ring_gyro/logs/quantity.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Where the value of a quantity comes from: a column or a constant.
 struct ColumnUse {
@@ -68,4 +68,4 @@ class ColumnMap {
 /// empty.
 std::pair<std::string, std::string> splitHeader(const std::string& header);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 #include "ring_gyro/logs/line_reader.h"
 #include "ring_gyro/logs/record_source.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Fields of one line; quotes keep a delimiter from parting. A space stands for any run of blanks.
 /// The views are into `line`.
@@ -43,4 +43,4 @@ class CsvSource : public RecordSource {
   std::vector<std::string_view> fields_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Conventions of the lab that wrote the log.
 struct ImportOptions {
@@ -28,4 +28,4 @@ struct ImportOptions {
   std::uint32_t session = 1;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -6,7 +6,7 @@
 #include "ring_gyro/logs/column_map.h"
 #include "ring_gyro/logs/log_rows.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// The drive that acted according to a log: its envelopes where they are logged, otherwise rebuilt
 /// by (28) from the gains or their voltages and the measured orbit.
@@ -24,4 +24,4 @@ class LabDrive {
   std::optional<double> drive_gain_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Lines of a text file of any size in bounded memory: LF, CRLF or CR, without a byte order mark.
 class LineReader {
@@ -44,4 +44,4 @@ class LineReader {
   bool skip_line_feed_ = false;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

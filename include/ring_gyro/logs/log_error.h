@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A log that cannot be used, in one line: file, place, what is wrong; the mend.
 class LogError : public std::runtime_error {
@@ -30,4 +30,4 @@ class RowError : public LogError {
   RowFault kind_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -15,7 +15,7 @@
 #include "ring_gyro/logs/log_rows.h"
 #include "ring_gyro/logs/row_clock.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What became of the rows of a log.
 struct ImportCounts {
@@ -132,4 +132,4 @@ class LogImporter {
   ControlGains block_gains_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

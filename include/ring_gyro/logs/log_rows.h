@@ -10,7 +10,7 @@
 #include "ring_gyro/logs/log_error.h"
 #include "ring_gyro/logs/record_source.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// One row of a log in SI, in the order of Quantity; NaN: not in the log.
 using LogRow = Eigen::Array<double, static_cast<int>(kQuantityCount), 1>;
@@ -54,4 +54,4 @@ class LogRows {
   std::uint64_t count_ = 0;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

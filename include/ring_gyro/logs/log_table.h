@@ -4,7 +4,7 @@
 
 #include "ring_gyro/control/control_gains.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Header of the table that LogImporter reads back to the same bits: the simplest form first
 /// (t, a, b, theta, phi, omega, beta, alpha, SI), then what else acted and the bookkeeping.
@@ -12,4 +12,4 @@ std::string logHeader();
 /// Appends one row and its line end.
 void appendLogRow(const OrbitalElements& elements, const ControlGains& gains, std::string& text);
 
-}  // namespace ring_gyro
+}  // namespace cvg

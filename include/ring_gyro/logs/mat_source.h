@@ -5,7 +5,7 @@
 
 #include "ring_gyro/logs/record_source.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A MATLAB file, v5 to v7.3: vectors are columns by their names, those of a matrix are
 /// "name(:,k)", those in a scalar struct "struct.name"; a scalar holds for all rows. The selected
@@ -39,4 +39,4 @@ class MatSource : public RecordSource {
   std::size_t row_ = 0;  // from 1, of the last row
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

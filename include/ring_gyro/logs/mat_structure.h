@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Whether a MATLAB file holds what it says it holds: each variable is there to its last byte, and
 /// the sizes that it claims are those of its data. libmatio takes both on trust, reserves what is
@@ -14,4 +14,4 @@ namespace ring_gyro {
 void requireWholeMat5(const std::string& path);
 void requireWholeMat73(const std::string& path);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// The number that a field of a log wholly is, spaces around it aside: decimal, or nan or inf.
 /// The nearest double, whatever the locale. `decimal`: '.' or ','.
@@ -13,4 +13,4 @@ std::optional<double> parseNumber(std::string_view text, char decimal = '.');
 /// Appends a decimal text that reads back as the same number.
 void appendNumber(std::string& text, double value);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -10,7 +10,7 @@
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/logs/unit.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What a column of a log can mean.
 enum class Quantity {
@@ -65,4 +65,4 @@ std::optional<Quantity> quantityFromName(std::string_view name);
 /// The quantity that a header's word (without its unit) is likely to mean.
 std::optional<Quantity> guessQuantity(std::string_view word);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Rows of numbers under column names, read once from begin to end.
 class RecordSource {
@@ -39,4 +39,4 @@ struct CsvDialect {
 /// A MATLAB file (by its first bytes) or else a text log. Throws LogError.
 std::unique_ptr<RecordSource> openLog(const std::string& path, const CsvDialect& dialect = {});
 
-}  // namespace ring_gyro
+}  // namespace cvg

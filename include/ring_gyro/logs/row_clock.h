@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Sampling period [s] of rows with these times, gaps and rounding of the times aside; a period
 /// that is as good as a whole number of microseconds or of rows per second becomes exactly that.
@@ -28,4 +28,4 @@ class RowClock {
   double grid_ = 0.0;  // where the last row should have been
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

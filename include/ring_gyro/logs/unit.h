@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace ring_gyro {
+namespace cvg {
 
 enum class Dimension { kTime, kVoltage, kAngle, kAngularRate, kNone };
 
@@ -21,4 +21,4 @@ bool isUnit(std::string_view text);
 /// "14195 Hz", "-90deg" or a bare number in SI, as SI. Throws std::invalid_argument naming `name`.
 double quantityFromText(const std::string& name, const std::string& text, Dimension dimension);
 
-}  // namespace ring_gyro
+}  // namespace cvg

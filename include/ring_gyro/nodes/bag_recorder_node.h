@@ -13,7 +13,7 @@
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/stamp_merge.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Writes a run to a bag, each message at its own stamp and all in the order of their stamps
 /// (StampMerge), and leaves once it has all of it.
@@ -24,7 +24,7 @@ class BagRecorderNode {
  public:
   /// Throws ConfigurationError without a file name, std::runtime_error when it cannot be written.
   BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                  const NodeConfiguration& configuration, NodeHost host);
+                  const bridge::NodeConfiguration& configuration, NodeHost host);
   ~BagRecorderNode();
   BagRecorderNode(const BagRecorderNode&) = delete;
   BagRecorderNode& operator=(const BagRecorderNode&) = delete;
@@ -48,11 +48,11 @@ class BagRecorderNode {
   NodeHost host_;
   std::uint64_t period_blocks_;  // of the identifier
   std::int64_t period_ns_;       // from the first to the last block of a period
-  BagWriter writer_;
-  StampMerge order_;
+  bridge::BagWriter writer_;
+  bridge::StampMerge order_;
   bool finished_ = false;
   std::list<Topic> topics_;
   Departure departure_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

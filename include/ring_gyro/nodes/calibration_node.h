@@ -20,7 +20,7 @@
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/pair_merge.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Makes a calibration run: OrbitalElements and ControlGains in through one merge, a
 /// CalibrationCommand out at the end of each period (latched), and at the end of the run the
@@ -34,12 +34,12 @@ class CalibrationNode {
   /// Throws ConfigurationError or std::invalid_argument naming what cannot be used,
   /// std::runtime_error when the file cannot be written.
   CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                  const NodeConfiguration& configuration, NodeHost host);
+                  const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:
   void start();
-  void process(const OrbitalElements& elements, const ControlGains& gains);
-  void publish(const CalibrationCommand& command, const BlockStamp& data);
+  void process(const cvg::OrbitalElements& elements, const cvg::ControlGains& gains);
+  void publish(const cvg::CalibrationCommand& command, const cvg::BlockStamp& data);
   void keep();
   void conclude();
   void fail(const std::string& why);
@@ -50,21 +50,21 @@ class CalibrationNode {
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle handle_;
-  NodeParameters parameters_;
-  DeviceKnowledge device_;
+  cvg::NodeParameters parameters_;
+  cvg::DeviceKnowledge device_;
   NodeHost host_;
-  CalibrationProcedure procedure_;
-  PairMerge merge_;
-  OrbitalElements elements_;
-  ControlGains gains_;
+  cvg::CalibrationProcedure procedure_;
+  bridge::PairMerge merge_;
+  cvg::OrbitalElements elements_;
+  cvg::ControlGains gains_;
   std::int64_t block_duration_ns_;
   Refusals refusals_;
   std::uint64_t usable_ = 0;
-  UnusableBlocks unusable_;
+  bridge::UnusableBlocks unusable_;
   UseWatch use_;
-  std::optional<BlockStamp> last_;
-  std::optional<CalibrationCommand> command_;
-  StagedFile file_;
+  std::optional<cvg::BlockStamp> last_;
+  std::optional<cvg::CalibrationCommand> command_;
+  cvg::StagedFile file_;
   bool written_ = false;
   std::string failure_;
 
@@ -76,4 +76,4 @@ class CalibrationNode {
   NodeDiagnostics diagnostics_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -21,7 +21,7 @@
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/time_guard.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Decides on the compensation: ParameterEstimate in, CompensationGains out (latched), one for each
 /// estimate. Services ~enable, ~hold and ~reset act from the next decision on. An estimate whose
@@ -30,11 +30,11 @@ class CompensationInjectorNode {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
   CompensationInjectorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                           const NodeConfiguration& configuration, NodeHost host);
+                           const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:
   void start();
-  void onEstimate(const ring_gyro_msgs::ParameterEstimate& message);
+  void onEstimate(const ring_gyro::ParameterEstimate& message);
   bool enable(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool hold(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
@@ -44,11 +44,11 @@ class CompensationInjectorNode {
   ros::NodeHandle handle_;
   std::uint64_t period_blocks_;
   std::int64_t block_duration_ns_;
-  CompensationInjector injector_;
-  TimeGuard guard_;
+  cvg::CompensationInjector injector_;
+  bridge::TimeGuard guard_;
   Refusals refusals_;
-  ParameterEstimate estimate_;
-  std::optional<CompensationDecision> decision_;
+  cvg::ParameterEstimate estimate_;
+  std::optional<cvg::CompensationDecision> decision_;
   std::uint64_t decisions_ = 0;
 
   Output gains_;
@@ -61,4 +61,4 @@ class CompensationInjectorNode {
   NodeDiagnostics diagnostics_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

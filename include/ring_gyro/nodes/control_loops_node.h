@@ -27,7 +27,7 @@
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/time_guard.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Demodulation and control: DisplacementBlock in, DriveCommand, OrbitalElements, ControlGains and
 /// the sensed rate out.
@@ -42,10 +42,10 @@ class ControlLoopsNode {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
   ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                   const NodeConfiguration& configuration, NodeHost host);
+                   const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:
-  using BlockMessage = ring_gyro_msgs::DisplacementBlock;
+  using BlockMessage = ring_gyro::DisplacementBlock;
 
   void start();
   void onDisplacement(const BlockMessage::ConstPtr& message);
@@ -58,28 +58,28 @@ class ControlLoopsNode {
   void read(const BlockMessage& message);
   void applyDecisions();
   void process(const BlockMessage& message);
-  void publish(const LoopOutput& output);
+  void publish(const cvg::LoopOutput& output);
   void sendBurst();
   void watchSilence();
   void leave();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   ros::NodeHandle handle_;
-  NodeParameters parameters_;
+  cvg::NodeParameters parameters_;
   NodeHost host_;
   double angular_gain_;
   bool compensation_;
   bool calibration_run_;
   std::uint64_t period_blocks_;  // of the identifier
-  ControlLoops loops_;
-  DisplacementBlock block_;
-  TimeGuard guard_;
+  cvg::ControlLoops loops_;
+  cvg::DisplacementBlock block_;
+  bridge::TimeGuard guard_;
   std::optional<std::uint32_t> unconfirmed_session_;  // of which one block has come, not its first
   BlockMessage::ConstPtr waiting_;  // for the decision that its answer must use, or for readers
-  DecisionQueue<CompensationDecision> compensation_decisions_;
-  DecisionQueue<CalibrationCommand> calibration_commands_;
+  DecisionQueue<cvg::CompensationDecision> compensation_decisions_;
+  DecisionQueue<cvg::CalibrationCommand> calibration_commands_;
   std::int64_t block_duration_ns_;
-  LoopStatus status_;
+  cvg::LoopStatus status_;
   double amplitude_ = 0.0;
   double theta_rate_ = 0.0;
 
@@ -87,12 +87,12 @@ class ControlLoopsNode {
   int silent_ticks_ = 0;
 
   std::uint64_t burst_blocks_;
-  std::vector<ring_gyro_msgs::OrbitalElements::ConstPtr> elements_burst_;
-  std::vector<ring_gyro_msgs::ControlGains::ConstPtr> gains_burst_;
-  MessagePool<ring_gyro_msgs::DriveCommand> command_messages_;
-  MessagePool<ring_gyro_msgs::OrbitalElements> elements_messages_;
-  MessagePool<ring_gyro_msgs::ControlGains> gains_messages_;
-  MessagePool<sensor_msgs::Imu> imu_messages_;
+  std::vector<ring_gyro::OrbitalElements::ConstPtr> elements_burst_;
+  std::vector<ring_gyro::ControlGains::ConstPtr> gains_burst_;
+  bridge::MessagePool<ring_gyro::DriveCommand> command_messages_;
+  bridge::MessagePool<ring_gyro::OrbitalElements> elements_messages_;
+  bridge::MessagePool<ring_gyro::ControlGains> gains_messages_;
+  bridge::MessagePool<sensor_msgs::Imu> imu_messages_;
   Output command_;
   Output elements_;
   Output gains_;
@@ -107,4 +107,4 @@ class ControlLoopsNode {
   NodeDiagnostics diagnostics_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

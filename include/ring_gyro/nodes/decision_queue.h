@@ -7,7 +7,7 @@
 
 #include "ring_gyro/nodes/queue_limits.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Decisions on their way to the loops, each made from the data of one period and in force from the
 /// drive of block `effective_sequence`, one period later, until the next one.
@@ -93,4 +93,4 @@ class DecisionQueue {
   Counts counts_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

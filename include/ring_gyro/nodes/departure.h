@@ -14,7 +14,7 @@
 #include "ring_gyro/nodes/output.h"
 #include "ring_gyro/ros/messages.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Ends a node in order: when the plant has announced the last block and the node has dealt with
 /// it, the node takes its leave of its inputs, waits until those who read its outputs have done so
@@ -26,7 +26,7 @@ namespace ring_gyro {
 class Departure {
  public:
   /// `leave`: ends the node's subscriptions and whatever it has to conclude; called once.
-  Departure(ros::NodeHandle& handle, const NodeParameters& parameters, NodeHost host,
+  Departure(ros::NodeHandle& handle, const cvg::NodeParameters& parameters, NodeHost host,
             std::vector<Output> outputs, std::function<void()> leave);
 
   /// The plant has announced the last block of the session that the node is in.
@@ -51,10 +51,10 @@ class Departure {
   }
 
  private:
-  void onEndOfRun(const ring_gyro_msgs::EndOfRun& message);
+  void onEndOfRun(const ring_gyro::EndOfRun& message);
   void enterSession(std::uint32_t session);
-  void announce(const ring_gyro_msgs::EndOfRun& message);
-  void leaveOut(const ring_gyro_msgs::EndOfRun& message);
+  void announce(const ring_gyro::EndOfRun& message);
+  void leaveOut(const ring_gyro::EndOfRun& message);
   void leaveIfDone();
   void leave();
   void tick();
@@ -66,7 +66,7 @@ class Departure {
   std::function<void()> leave_;
   bool in_session_ = false;
   std::uint32_t session_ = 0;
-  std::optional<ring_gyro_msgs::EndOfRun> early_;  // came before any data
+  std::optional<ring_gyro::EndOfRun> early_;  // came before any data
   std::uint64_t foreign_ = 0;
   bool announced_ = false;
   bool leaving_ = false;
@@ -80,4 +80,4 @@ class Departure {
   ros::WallTimer timer_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -19,7 +19,7 @@
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/stream_identifier.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// The Kalman filter: OrbitalElements and ControlGains in through one merge, ParameterEstimate out
 /// at the end of each period (latched). Ends with the run, or with the bag that is replayed to it,
@@ -29,11 +29,11 @@ class EkfIdentifierNode {
   /// Throws std::invalid_argument naming what cannot be used, std::runtime_error when the report
   /// cannot be written.
   EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                    const NodeConfiguration& configuration, NodeHost host);
+                    const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:
   void start();
-  void take(const ParameterEstimate& estimate, const StateMatrix& covariance);
+  void take(const cvg::ParameterEstimate& estimate, const cvg::StateMatrix& covariance);
   template <typename Message>
   void add(const char* topic, const Message& message);
   void leave();
@@ -41,10 +41,10 @@ class EkfIdentifierNode {
 
   ros::NodeHandle handle_;
   NodeHost host_;
-  LoopConfiguration configuration_;
-  NodeParameters parameters_;
-  WholeFile report_file_;
-  StreamIdentifier identifier_;
+  cvg::LoopConfiguration configuration_;
+  cvg::NodeParameters parameters_;
+  cvg::WholeFile report_file_;
+  bridge::StreamIdentifier identifier_;
   std::uint64_t not_delivered_ = 0;  // of the bag that is replayed
   Refusals refusals_;
   UseWatch use_;
@@ -58,4 +58,4 @@ class EkfIdentifierNode {
   NodeDiagnostics diagnostics_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

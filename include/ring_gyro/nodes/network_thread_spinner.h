@@ -10,7 +10,7 @@
 #include <mutex>
 #include <thread>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Runs the callbacks of a node in the thread in which roscpp reads and writes its sockets.
 ///
@@ -57,4 +57,4 @@ class NetworkThreadSpinner {
   boost::signals2::connection connection_;  // to roscpp's loop over the sockets
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// State of a node on /diagnostics (REP 107) each second of wall time, whatever the simulated time.
 class NodeDiagnostics {
@@ -23,4 +23,4 @@ class NodeDiagnostics {
   ros::WallTimer timer_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// What a node may ask of whatever runs it, a process of its own or a nodelet manager.
 struct NodeHost {
@@ -13,4 +13,4 @@ struct NodeHost {
   std::function<void(const std::string&)> fail;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -18,7 +18,7 @@
 
 #include "ring_gyro/nodes/queue_limits.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// A topic that a node publishes, who listens to it by name, and how far the slowest of those in
 /// other processes is behind. Each has a queue of kOutputQueue messages; beyond that it loses the
@@ -101,4 +101,4 @@ class Output {
   std::shared_ptr<Names> names_ = std::make_shared<Names>();
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

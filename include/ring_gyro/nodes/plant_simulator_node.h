@@ -21,7 +21,7 @@
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// The gyroscope: DriveCommand in, DisplacementBlock out, and /clock, truth and the end of the run.
 ///
@@ -31,20 +31,20 @@ class PlantSimulatorNode {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
   PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                     const NodeConfiguration& configuration, NodeHost host);
+                     const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:
   using WallClock = std::chrono::steady_clock;
 
   void start();
-  void onDriveCommand(const ring_gyro_msgs::DriveCommand& message);
-  bool accepts(const ring_gyro_msgs::DriveCommand& message);
+  void onDriveCommand(const ring_gyro::DriveCommand& message);
+  bool accepts(const ring_gyro::DriveCommand& message);
   void goOn();
   void step();
   void onRealTimeTick();
-  void publish(const DisplacementBlock& block);
+  void publish(const cvg::DisplacementBlock& block);
   void sendTruths();
-  void publishClock(const BlockStamp& stamp);
+  void publishClock(const cvg::BlockStamp& stamp);
   void endRun();
   void watch();
   void watchSilence();
@@ -57,19 +57,19 @@ class PlantSimulatorNode {
   double behindRealTime() const;  // of the start of the next block [s]; negative: it is not due yet
 
   ros::NodeHandle handle_;
-  NodeParameters parameters_;
+  cvg::NodeParameters parameters_;
   NodeHost host_;
   double duration_;             // of the run, 0: until stopped [s]
   std::uint64_t blocks_;        // of the run, 0: until stopped
   std::uint64_t burst_blocks_;  // whose truth is sent together
   std::int64_t block_ns_;
   std::int64_t start_ns_;
-  PlantSimulator plant_;
-  DriveCommand command_;
+  cvg::PlantSimulator plant_;
+  cvg::DriveCommand command_;
   bool commanded_ = false;    // real time: a command has come since the last block
   bool any_command_ = false;  // a command has been taken at all
   bool coasts_ = false;       // lockstep: the answer was refused, the last drive goes on
-  BlockStamp last_;
+  cvg::BlockStamp last_;
   bool started_ = false;
   bool ended_ = false;
 
@@ -83,9 +83,9 @@ class PlantSimulatorNode {
   WallClock::time_point reported_at_;
   WallClock::time_point clock_at_;
 
-  MessagePool<ring_gyro_msgs::DisplacementBlock> displacement_messages_;
-  MessagePool<ring_gyro_msgs::PlantTruth> truth_messages_;
-  std::vector<ring_gyro_msgs::PlantTruth::ConstPtr> truth_burst_;
+  bridge::MessagePool<ring_gyro::DisplacementBlock> displacement_messages_;
+  bridge::MessagePool<ring_gyro::PlantTruth> truth_messages_;
+  std::vector<ring_gyro::PlantTruth::ConstPtr> truth_burst_;
   Output displacement_;
   Output truth_;
   Output end_of_run_;
@@ -99,4 +99,4 @@ class PlantSimulatorNode {
   NodeDiagnostics diagnostics_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

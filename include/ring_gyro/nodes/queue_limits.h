@@ -5,7 +5,7 @@
 
 #include "ring_gyro/ros/pair_merge.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 // All queues of the loop are bounded, in messages, which are blocks. In lockstep none of the limits
 // is reached (ReaderWait); in real time what is beyond them is lost, and seen as a gap by sequence.
@@ -13,8 +13,8 @@ namespace ring_gyro {
 /// Of a topic on its way to each of its readers: ten seconds of 1 ms.
 constexpr std::uint32_t kOutputQueue = 10000;
 /// Of a topic that a node reads: more than the socket holds, which is read in one go.
-constexpr auto kInputQueue = static_cast<std::uint32_t>(PairMerge::kMostWaiting);
+constexpr auto kInputQueue = static_cast<std::uint32_t>(bridge::PairMerge::kMostWaiting);
 /// Decisions that wait for their block: one is due each period, one period ahead.
 constexpr std::size_t kMostDecisions = 16;
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

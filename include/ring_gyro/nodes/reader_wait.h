@@ -10,7 +10,7 @@
 #include "ring_gyro/configuration/node_parameters.h"
 #include "ring_gyro/nodes/output.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Keeps a lockstep run at the pace of those who read it: while a reader in another process is half
 /// a queue behind, the next step waits, so that neither memory grows nor a message is lost. When a
@@ -19,8 +19,8 @@ namespace ring_gyro {
 class ReaderWait {
  public:
   /// `resume`: takes the step that was held.
-  ReaderWait(ros::NodeHandle& handle, const NodeParameters& parameters, std::vector<Output> outputs,
-             std::function<void()> resume);
+  ReaderWait(ros::NodeHandle& handle, const cvg::NodeParameters& parameters,
+             std::vector<Output> outputs, std::function<void()> resume);
 
   /// Whether the next step must be held; then `resume` will be called. Cheap.
   bool mustHold() {
@@ -50,4 +50,4 @@ class ReaderWait {
   ros::WallTimer timer_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -9,14 +9,14 @@
 
 #include "ring_gyro/ros/message_checks.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// What a node has refused of its input: counted by reason, said once and then at most each
 /// ten seconds of wall time, shown on /diagnostics.
 class Refusals {
  public:
   /// `block`: sequence that the message is of.
-  void add(const std::string& topic, std::uint64_t block, const MessageFault& fault);
+  void add(const std::string& topic, std::uint64_t block, const bridge::MessageFault& fault);
   /// A message with good numbers that cannot be used. `reason`: the same for all such messages of
   /// the topic, as "of another session"; `text`: one line with the particulars.
   void add(const std::string& topic, const std::string& reason, const std::string& text);
@@ -35,4 +35,4 @@ class Refusals {
   std::map<std::string, Kind> kinds_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -9,7 +9,7 @@
 
 #include "ring_gyro/configuration/node_parameters.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Knows from the bag itself when its replay is over, as no message has to say so: all messages of
 /// both topics have come; or /clock has reached the last of them and nothing comes any more; or,
@@ -19,7 +19,7 @@ class ReplayEnd {
  public:
   /// `parameters`: the bag, the part of it that is played, and how long to wait without a /clock;
   /// `over`: called once, with the messages that never came. Throws BagError.
-  ReplayEnd(ros::NodeHandle& handle, const NodeParameters& parameters,
+  ReplayEnd(ros::NodeHandle& handle, const cvg::NodeParameters& parameters,
             std::function<void(std::uint64_t)> over);
 
   /// A message of either topic has come and has been dealt with.
@@ -40,4 +40,4 @@ class ReplayEnd {
   ros::WallTimer timer_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

@@ -10,7 +10,7 @@
 
 #include "ring_gyro/nodes/output.h"
 
-namespace ring_gyro {
+namespace ring_gyro::nodes {
 
 /// Holds a node back until its outputs have the listeners they must have. As each node of the chain
 /// takes no input before, nothing of a run is lost, in whatever order the nodes came up.
@@ -39,4 +39,4 @@ class StartGate {
   ros::WallTimer timer_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::nodes

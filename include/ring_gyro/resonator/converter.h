@@ -6,7 +6,7 @@
 
 #include "ring_gyro/common/vector_kernels.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A converter with 2^bits levels over +-range, or an ideal one (0 bits).
 class Converter {
@@ -32,4 +32,4 @@ class Converter {
   double highest_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

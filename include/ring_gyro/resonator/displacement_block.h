@@ -5,7 +5,7 @@
 #include "ring_gyro/common/aligned_vector.h"
 #include "ring_gyro/common/block_stamp.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// One block of converter samples of both axes, sample j taken at block start + j / sample_rate.
 struct DisplacementBlock {
@@ -23,4 +23,4 @@ struct DisplacementBlock {
   AlignedVector y;  ///< [V]
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What the loops ask of the drive for one block: per axis f(t) = Re[envelope e^{i psi(t)}] with
 /// psi(t) = reference_phase + reference_frequency (t - block start).
@@ -21,4 +21,4 @@ struct DriveCommand {
   bool end_of_run = false;  ///< nothing follows the block that this answers
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

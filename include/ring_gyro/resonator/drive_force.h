@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <complex>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Drive that reaches the ring from an ideal modulator, by harmonics of the reference phase psi
 /// [V]: f(t) = constant + Re[fundamental e^{i psi} + second e^{2 i psi}].
@@ -51,4 +51,4 @@ struct ForcedMotion {
   }
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Errors that the sensing and the driving side share: a gain matrix and a phase delay per axis.
 struct AxisErrors {
@@ -51,4 +51,4 @@ struct DriveParameters {
   void declare(ParameterTable& table);
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

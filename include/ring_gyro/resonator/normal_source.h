@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Reproducible standard normal numbers, fast: xoshiro128++ generators side by side feed a
 /// Box-Muller transform in single precision, all in vector registers.
@@ -37,4 +37,4 @@ class NormalSource {
   std::size_t used_ = kBatch;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -13,7 +13,7 @@
 #include "ring_gyro/resonator/resonator_parameters.h"
 #include "ring_gyro/resonator/rotation_profile.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What no instrument shows: the motion itself at the end of a block, and the device.
 struct PlantTruth {
@@ -78,4 +78,4 @@ class PlantSimulator {
   std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -3,7 +3,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// The vibrating ring as its electronics see it, equations (6)-(10) with the errata of
 /// docs/derivation.md:
@@ -59,4 +59,4 @@ struct ResonatorParameters {
   void declare(ParameterTable& table);
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -9,7 +9,7 @@
 #include "ring_gyro/resonator/drive_force.h"
 #include "ring_gyro/resonator/resonator_parameters.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A phasor-modulated signal pair over one block: the sample at time s after the block start is
 /// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k + second e^{i w_2 s}] + constant, to 1e-13
@@ -100,4 +100,4 @@ class RingResonator {
   BlockMotion motion_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

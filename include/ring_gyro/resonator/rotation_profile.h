@@ -5,7 +5,7 @@
 
 #include "ring_gyro/common/parameter_table.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 struct RotationParameters {
   std::string profile = "constant";  ///< constant, step, sine or file
@@ -42,4 +42,4 @@ class RotationProfile {
   std::vector<double> angles_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

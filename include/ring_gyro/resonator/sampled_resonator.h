@@ -10,7 +10,7 @@
 #include "ring_gyro/resonator/resonator_parameters.h"
 #include "ring_gyro/resonator/ring_resonator.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Drive over one sample period: of an ideal modulator, or a value held from the converter.
 struct SampleDrive {
@@ -81,4 +81,4 @@ class SampledResonator {
   GapNodes gap_nodes_;  // of moveHeld
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

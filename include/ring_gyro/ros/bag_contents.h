@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// One topic as one publisher gave it.
 struct BagConnection {
@@ -73,4 +73,4 @@ BagScan contentsByScan(const std::string& path);
 /// Name of the plugin that encrypted a bag; empty: not encrypted, or no bag of format 2.0.
 std::string bagEncryptor(const std::string& path);
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

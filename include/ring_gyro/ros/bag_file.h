@@ -10,7 +10,7 @@
 #include "ring_gyro/ros/bag_contents.h"
 #include "ring_gyro/ros/chunk_merge.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// One line: file, what is wrong, the mend.
 class BagError : public std::runtime_error {
@@ -56,4 +56,4 @@ class BagFile {
   std::vector<std::string> damage_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

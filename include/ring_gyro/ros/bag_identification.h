@@ -11,7 +11,7 @@
 #include "ring_gyro/ros/stream_identifier.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 struct BagIdentificationOptions {
   LoopTopics topics;
@@ -29,7 +29,7 @@ class BagIdentification {
 
   /// Opens the bags and puts them in the order of their begin. Throws BagError, and
   /// std::invalid_argument when the configuration cannot be used.
-  BagIdentification(const std::vector<std::string>& paths, LoopConfiguration configuration,
+  BagIdentification(const std::vector<std::string>& paths, cvg::LoopConfiguration configuration,
                     BagIdentificationOptions options = {});
 
   /// Bag time to be read [s].
@@ -39,11 +39,11 @@ class BagIdentification {
   IdentificationResult run(const OnEstimate& on_estimate = {}, const OnProgress& on_progress = {});
 
  private:
-  LoopConfiguration configuration_;
+  cvg::LoopConfiguration configuration_;
   BagIdentificationOptions options_;
   std::vector<LoopBag> bags_;
   ros::Time from_;
   ros::Time to_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 // Records of a bag, format 2.0: http://wiki.ros.org/Bags/Format/2.0
 
@@ -103,4 +103,4 @@ enum class ChunkState {
 ChunkState takeChunk(BagRecordFile& file, const std::string& header, std::uint32_t data_length,
                      std::string& packed, std::string& chunk);
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

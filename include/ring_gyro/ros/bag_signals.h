@@ -8,7 +8,7 @@
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/message_checks.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// Has `on_message` get each message of this type, of whatever topic. Throws BagError when another
 /// version of this package wrote them.
@@ -63,4 +63,4 @@ void addSignals(const BagFile& bag, const OnSignal& on_signal, BagSinks& sinks,
       sinks);
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

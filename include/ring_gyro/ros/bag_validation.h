@@ -5,7 +5,7 @@
 
 #include "ring_gyro/ros/loop_bag.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 enum class Severity { kWarning, kFault };
 
@@ -27,4 +27,4 @@ struct BagValidation {
 /// Throws BagError when there is nothing to look at (see LoopBag).
 BagValidation validateBag(const std::string& path, const LoopTopics& topics = {});
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -12,7 +12,7 @@
 #include "ring_gyro/common/output_file.h"
 #include "ring_gyro/ros/messages.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// A bag (lz4) with the promises of OutputFile. Until it is whole its name is NAME.xxxxxx.active,
 /// with six letters of its own; a bag that is not finished, or whose writer is killed, keeps that
@@ -60,10 +60,10 @@ class BagWriter {
   [[noreturn]] void fail(const std::string& fault);
   void close();
 
-  OutputFile output_;
+  cvg::OutputFile output_;
   std::unique_ptr<rosbag::Bag> bag_;
   std::string fault_;
   std::uint64_t messages_ = 0;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// Hands items from one thread to another in order, many at a time, with a bounded number on the
 /// way. Batches come back empty to be filled again, so that in the long run nothing is allocated.
@@ -65,4 +65,4 @@ class BatchQueue {
   bool cancelled_ = false;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

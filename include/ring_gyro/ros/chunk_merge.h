@@ -14,7 +14,7 @@
 #include "ring_gyro/ros/bag_contents.h"
 #include "ring_gyro/ros/bag_records.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// A message of a bag, serialised; good until the sink returns.
 struct BagMessage {
@@ -130,4 +130,4 @@ class ChunkMerge {
   Outcome outcome_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

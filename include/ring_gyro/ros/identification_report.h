@@ -12,7 +12,7 @@
 #include "ring_gyro/ros/time_guard.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// Pairs that could not be used, by the first reason found (BlockUse).
 struct UnusableBlocks {
@@ -27,7 +27,7 @@ struct UnusableBlocks {
   std::uint64_t no_frequency = 0;   ///< a reference frequency that is not above zero
   std::uint64_t group_delay = 0;    ///< longer than the identifier remembers
 
-  void add(BlockUse use);
+  void add(cvg::BlockUse use);
   UnusableBlocks operator-(const UnusableBlocks& earlier) const;
   std::uint64_t total() const;
 };
@@ -46,13 +46,13 @@ std::string mainReasonOf(const UnusableBlocks& unusable);
 
 /// What identification made of a stream of messages, live, replayed or read from a bag.
 struct IdentificationReport {
-  std::optional<ParameterEstimate> estimate;  ///< the last
-  StateMatrix covariance = StateMatrix::Zero();
-  BlockStamp first;  ///< first pair that the filter saw, of the last start
-  BlockStamp last;   ///< last pair
+  std::optional<cvg::ParameterEstimate> estimate;  ///< the last
+  cvg::StateMatrix covariance = cvg::StateMatrix::Zero();
+  cvg::BlockStamp first;  ///< first pair that the filter saw, of the last start
+  cvg::BlockStamp last;   ///< last pair
   /// Of the last start of the filter: data from its first block until it first said converged [s].
   std::optional<double> convergence_time;
-  NisTally nis;  ///< of the last start; converged: since it first said so
+  cvg::NisTally nis;  ///< of the last start; converged: since it first said so
   std::uint64_t filter_restarts = 0;
 
   PairMerge::Counts pairs;
@@ -78,16 +78,17 @@ struct IdentificationResult {
 };
 
 /// Why there is nothing to rely on, one line with the mend; empty: identified.
-std::string failureOf(const IdentificationReport& report, const LoopConfiguration& configuration);
+std::string failureOf(const IdentificationReport& report,
+                      const cvg::LoopConfiguration& configuration);
 /// What was wrong with the data although parameters came out, or with their fit, one line each.
 std::vector<std::string> faultsOf(const IdentificationReport& report,
-                                  const LoopConfiguration& configuration);
+                                  const cvg::LoopConfiguration& configuration);
 
 /// A table for people.
 std::string identificationText(const IdentificationResult& result,
-                               const LoopConfiguration& configuration);
+                               const cvg::LoopConfiguration& configuration);
 /// For programs, SI units: {"version": ..., "runs": [one object for each result]}.
 std::string identificationJson(const std::vector<IdentificationResult>& results,
-                               const LoopConfiguration& configuration);
+                               const cvg::LoopConfiguration& configuration);
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -10,7 +10,7 @@
 #include "ring_gyro/ros/bag_file.h"
 #include "ring_gyro/ros/messages.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// Topics to identify from. Empty: the only one of its type.
 struct LoopTopics {
@@ -25,16 +25,16 @@ struct SerialisedMessage {
   std::uint32_t size = 0;
   ros::Time time;  ///< of the bag
 };
-void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::OrbitalElements& message);
-void deserialise(const SerialisedMessage& serialised, ring_gyro_msgs::ControlGains& message);
+void deserialise(const SerialisedMessage& serialised, ring_gyro::OrbitalElements& message);
+void deserialise(const SerialisedMessage& serialised, ring_gyro::ControlGains& message);
 
 /// A recorded run as the identifier needs it: orbital elements and control gains, in the order of
 /// bag time, other topics left where they are. A bag whose index is missing or cut off is read as
 /// far as it goes.
 class LoopBag {
  public:
-  using OnElements = std::function<void(const ring_gyro_msgs::OrbitalElements&, const ros::Time&)>;
-  using OnGains = std::function<void(const ring_gyro_msgs::ControlGains&, const ros::Time&)>;
+  using OnElements = std::function<void(const ring_gyro::OrbitalElements&, const ros::Time&)>;
+  using OnGains = std::function<void(const ring_gyro::ControlGains&, const ros::Time&)>;
   using OnSerialised = std::function<void(const SerialisedMessage&)>;  ///< good until it returns
 
   /// Throws BagError: not there, not a bag, empty, encrypted; a topic is missing, of another type
@@ -83,4 +83,4 @@ class LoopBag {
   Topic gains_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

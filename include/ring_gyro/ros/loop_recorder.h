@@ -6,7 +6,7 @@
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// Writes what a loop in one process brings about, as the messages on the topics that the graph
 /// has.
@@ -16,9 +16,9 @@ class LoopRecorder {
   /// Throws std::runtime_error when the file cannot be written, as everything here does.
   LoopRecorder(const std::string& path, bool raw);
 
-  void write(const LoopRecord& record);
+  void write(const cvg::LoopRecord& record);
   /// `last`: stamp of the last block; `cut`: the run was to go on, so that nobody announces an end.
-  void finish(const BlockStamp& last, bool cut = false);
+  void finish(const cvg::BlockStamp& last, bool cut = false);
 
   std::uint64_t messages() const { return writer_.messages(); }
 
@@ -28,13 +28,13 @@ class LoopRecorder {
 
   BagWriter writer_;
   bool raw_;
-  ring_gyro_msgs::DisplacementBlock displacement_;
-  ring_gyro_msgs::DriveCommand command_;
-  ring_gyro_msgs::OrbitalElements elements_;
-  ring_gyro_msgs::ControlGains gains_;
-  ring_gyro_msgs::ParameterEstimate estimate_;
-  ring_gyro_msgs::CompensationGains compensation_;
-  ring_gyro_msgs::PlantTruth truth_;
+  ring_gyro::DisplacementBlock displacement_;
+  ring_gyro::DriveCommand command_;
+  ring_gyro::OrbitalElements elements_;
+  ring_gyro::ControlGains gains_;
+  ring_gyro::ParameterEstimate estimate_;
+  ring_gyro::CompensationGains compensation_;
+  ring_gyro::PlantTruth truth_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -5,16 +5,16 @@
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/ros/messages.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// Why a message cannot be used: the first of its fields that cannot be.
 struct MessageFault {
-  Refusal kind = Refusal::kNone;
+  cvg::Refusal kind = cvg::Refusal::kNone;
   const char* field = "";   ///< "reference_phase"
   const char* reason = "";  ///< what is wrong with it, the same for all its values: "is not finite"
   std::string text;         ///< one line: field, value, what is allowed or the mend
 
-  explicit operator bool() const { return kind != Refusal::kNone; }
+  explicit operator bool() const { return kind != cvg::Refusal::kNone; }
 };
 
 // The border between messages and the core: every number of every message is looked at here, before
@@ -23,19 +23,19 @@ struct MessageFault {
 // sessions (TimeGuard); samples, whose blocks the loops coast over (ControlLoops). A message
 // without a fault costs a sum of its fields.
 
-MessageFault faultOf(const ring_gyro_msgs::DisplacementBlock& message);
-MessageFault faultOf(const ring_gyro_msgs::DriveCommand& message);
-MessageFault faultOf(const ring_gyro_msgs::OrbitalElements& message);
+MessageFault faultOf(const ring_gyro::DisplacementBlock& message);
+MessageFault faultOf(const ring_gyro::DriveCommand& message);
+MessageFault faultOf(const ring_gyro::OrbitalElements& message);
 /// The drive must be the sum of its parts, but for rounding, unless all parts are zero.
-MessageFault faultOf(const ring_gyro_msgs::ControlGains& message);
-MessageFault faultOf(const ring_gyro_msgs::ParameterEstimate& message);
-MessageFault faultOf(const ring_gyro_msgs::CompensationGains& message);
-MessageFault faultOf(const ring_gyro_msgs::CalibrationCommand& message);
-MessageFault faultOf(const ring_gyro_msgs::PlantTruth& message);
+MessageFault faultOf(const ring_gyro::ControlGains& message);
+MessageFault faultOf(const ring_gyro::ParameterEstimate& message);
+MessageFault faultOf(const ring_gyro::CompensationGains& message);
+MessageFault faultOf(const ring_gyro::CalibrationCommand& message);
+MessageFault faultOf(const ring_gyro::PlantTruth& message);
 
 /// A message as the core may see it. With a fault its block is known and unusable, and none of its
 /// numbers goes any further.
-MessageFault readChecked(const ring_gyro_msgs::OrbitalElements& message, OrbitalElements& elements);
-MessageFault readChecked(const ring_gyro_msgs::ControlGains& message, ControlGains& gains);
+MessageFault readChecked(const ring_gyro::OrbitalElements& message, cvg::OrbitalElements& elements);
+MessageFault readChecked(const ring_gyro::ControlGains& message, cvg::ControlGains& gains);
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

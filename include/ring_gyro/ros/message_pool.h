@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// Messages to publish by pointer, used again once nobody holds them any more: the loop allocates
 /// nothing per block. For one publishing thread; readers may be in others.
@@ -34,4 +34,4 @@ class MessagePool {
   std::size_t next_ = 0;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

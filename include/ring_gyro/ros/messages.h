@@ -1,22 +1,8 @@
 #pragma once
 
-// The message types under the name ring_gyro_msgs. Generated code puts them into the namespace of
-// the package, where the core has its structs of the same names: a DriveCommand is what the loops
-// compute, a ring_gyro_msgs::DriveCommand is how it travels. Always include the messages by this
-// header; what they include is included first, so that only they are renamed.
+// The message types, ring_gyro::DriveCommand and so on: how a signal travels. The structs of the
+// same names in the namespace cvg are what the core computes with.
 
-#include <ros/message_operations.h>
-#include <ros/serialization.h>
-#include <ros/types.h>
-#include <std_msgs/Header.h>
-
-#include <map>
-#include <memory>
-#include <string>
-#include <vector>
-
-#define ring_gyro ring_gyro_msgs
-// clang-format off
 #include "ring_gyro/CalibrationCommand.h"
 #include "ring_gyro/CompensationGains.h"
 #include "ring_gyro/ControlGains.h"
@@ -26,5 +12,3 @@
 #include "ring_gyro/OrbitalElements.h"
 #include "ring_gyro/ParameterEstimate.h"
 #include "ring_gyro/PlantTruth.h"
-// clang-format on
-#undef ring_gyro

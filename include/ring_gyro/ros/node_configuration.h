@@ -5,12 +5,12 @@
 
 #include "ring_gyro/configuration/configuration_reader.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// What a node is made from: the configuration that the tools read too, and the node's own section.
 struct NodeConfiguration {
-  LoopConfiguration loop;
-  NodeParameters node;
+  cvg::LoopConfiguration loop;
+  cvg::NodeParameters node;
 };
 
 /// All parameters in the namespace of `private_handle`, less those that belong to ROS packages.
@@ -20,4 +20,4 @@ YAML::Node parametersOf(const ros::NodeHandle& private_handle);
 /// std::runtime_error when an output is the same file as an input or as another output.
 NodeConfiguration readNodeConfiguration(const ros::NodeHandle& private_handle);
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

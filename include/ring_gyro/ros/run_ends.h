@@ -5,7 +5,7 @@
 
 #include "ring_gyro/ros/bag_file.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// The last block that the plant announced, by session.
 using RunEnds = std::map<std::uint32_t, std::uint64_t>;
@@ -14,4 +14,4 @@ using RunEnds = std::map<std::uint32_t, std::uint64_t>;
 /// the reading.
 void addRunEnds(const BagFile& bag, RunEnds& ends, BagSinks& sinks);
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

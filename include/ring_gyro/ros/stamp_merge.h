@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// Puts messages that arrive topic by topic into the order of session and stamp, those of one stamp
 /// in the order of their topics. Each topic by itself is in order.
@@ -81,4 +81,4 @@ class StampMerge {
   std::uint64_t late_ = 0;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

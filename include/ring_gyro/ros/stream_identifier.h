@@ -11,50 +11,53 @@
 #include "ring_gyro/ros/pair_merge.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// From messages to estimates: merge, filter and the account of both. The node and the tools for
 /// bags feed the very same object, which is why their estimates are the same to the last bit.
 class StreamIdentifier {
  public:
-  using Sink = std::function<void(const ParameterEstimate&, const StateMatrix& covariance)>;
+  using Sink =
+      std::function<void(const cvg::ParameterEstimate&, const cvg::StateMatrix& covariance)>;
 
   /// `sink` gets each estimate. `start_sequence`: the filter sees nothing before the first pair
   /// with this sequence or a later one, as one that was started there.
   /// Throws std::invalid_argument naming what cannot be used.
-  StreamIdentifier(const LoopConfiguration& configuration, Sink sink,
+  StreamIdentifier(const cvg::LoopConfiguration& configuration, Sink sink,
                    std::uint64_t start_sequence = 0);
   StreamIdentifier(const StreamIdentifier&) = delete;
   StreamIdentifier& operator=(const StreamIdentifier&) = delete;
 
   /// What is wrong with the message; then its block is one that cannot be used.
-  MessageFault add(const ring_gyro_msgs::OrbitalElements& message);
-  MessageFault add(const ring_gyro_msgs::ControlGains& message);
-  void add(const OrbitalElements& elements) { merge_.add(elements); }
-  void add(const ControlGains& gains) { merge_.add(gains); }
+  MessageFault add(const ring_gyro::OrbitalElements& message);
+  MessageFault add(const ring_gyro::ControlGains& message);
+  void add(const cvg::OrbitalElements& elements) { merge_.add(elements); }
+  void add(const cvg::ControlGains& gains) { merge_.add(gains); }
   /// The input has ended.
   void flush();
 
   /// Of the last pair; null before the first.
-  const BlockStamp* last() const { return merge_.counts().pairs > 0 ? &report_.last : nullptr; }
+  const cvg::BlockStamp* last() const {
+    return merge_.counts().pairs > 0 ? &report_.last : nullptr;
+  }
   /// Elements and gains without their partner so far.
   std::size_t waiting() const { return merge_.waiting(); }
   IdentificationReport report() const;
 
  private:
-  void process(const OrbitalElements& elements, const ControlGains& gains);
-  void count(const OrbitalElements& elements, const ControlGains& gains);
-  void account(const ParameterEstimate& estimate);
+  void process(const cvg::OrbitalElements& elements, const cvg::ControlGains& gains);
+  void count(const cvg::OrbitalElements& elements, const cvg::ControlGains& gains);
+  void account(const cvg::ParameterEstimate& estimate);
 
-  Identifier identifier_;
+  cvg::Identifier identifier_;
   PairMerge merge_;
   Sink sink_;
   std::uint64_t start_sequence_;
   std::int64_t block_duration_ns_;
   bool started_ = false;
-  OrbitalElements elements_;
-  ControlGains gains_;
+  cvg::OrbitalElements elements_;
+  cvg::ControlGains gains_;
   IdentificationReport report_;
 };
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

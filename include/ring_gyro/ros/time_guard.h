@@ -4,7 +4,7 @@
 
 #include "ring_gyro/common/block_stamp.h"
 
-namespace ring_gyro {
+namespace ring_gyro::bridge {
 
 /// How a stamp follows the one before it on the same topic.
 enum class StampOrder {
@@ -32,17 +32,17 @@ class TimeGuard {
   };
 
   /// What is not usable is not remembered: the next is compared with what came before.
-  StampOrder check(const BlockStamp& stamp);
+  StampOrder check(const cvg::BlockStamp& stamp);
   /// What check() would say, without counting or remembering.
-  StampOrder order(const BlockStamp& stamp) const;
+  StampOrder order(const cvg::BlockStamp& stamp) const;
 
   const Counts& counts() const { return counts_; }
 
  private:
   bool started_ = false;
-  BlockStamp last_;
+  cvg::BlockStamp last_;
   bool left_any_ = false;
-  BlockStamp left_;  // last of the session before
+  cvg::BlockStamp left_;  // last of the session before
   Counts counts_;
 };
 
@@ -52,4 +52,4 @@ constexpr bool isUsable(StampOrder order) {
          order != StampOrder::kLeftSession;
 }
 
-}  // namespace ring_gyro
+}  // namespace ring_gyro::bridge

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace ring_gyro::topics {
+namespace ring_gyro::bridge::topics {
 
 // Relative, so that a namespace or a remapping moves them.
 constexpr char kDisplacement[] = "displacement";
@@ -14,4 +14,4 @@ constexpr char kCalibrationCommand[] = "calibration_command";
 constexpr char kPlantTruth[] = "plant_truth";
 constexpr char kEndOfRun[] = "end_of_run";
 
-}  // namespace ring_gyro::topics
+}  // namespace ring_gyro::bridge::topics

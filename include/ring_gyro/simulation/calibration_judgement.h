@@ -5,7 +5,7 @@
 #include "ring_gyro/common/angle_harmonics.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A simulated gyroscope on a rate table, judged by what only a simulation knows. All rates are
 /// those of the case, as the gyroscope reports them with the k that it was told.
@@ -29,4 +29,4 @@ struct CalibrationJudgement {
 CalibrationJudgement judgeCalibration(LoopConfiguration configuration, double rate, double time,
                                       const std::function<void(double)>& progress = {});
 
-}  // namespace ring_gyro
+}  // namespace cvg

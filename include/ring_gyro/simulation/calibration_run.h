@@ -9,7 +9,7 @@
 #include "ring_gyro/resonator/plant_simulator.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A calibration run in one process: plant, loops and procedure, called in the order in which the
 /// lockstep graph exchanges its messages, so that the results are the same.
@@ -41,4 +41,4 @@ class CalibrationRun {
   std::optional<CalibrationCommand> command_;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 #include "ring_gyro/resonator/plant_simulator.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Everything that one block brought about.
 struct LoopRecord {
@@ -54,4 +54,4 @@ class ClosedLoop {
   const LoopOutput* output_ = nullptr;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

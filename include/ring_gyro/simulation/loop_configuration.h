@@ -13,7 +13,7 @@
 #include "ring_gyro/identification/identifier.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// How a simulation is run.
 struct RunParameters {
@@ -72,4 +72,4 @@ struct LoopConfiguration {
   std::uint64_t periodBlocks() const;
 };
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// Squared tuning voltages that soften along (0 less 90 degrees) and across (45 less 135) [V^2].
 struct TuningSquares {
@@ -49,4 +49,4 @@ struct TuningOptions {
 std::vector<TuningPass> tuneModes(LoopConfiguration configuration, const TuningOptions& options,
                                   const std::function<void(const TuningPass&)>& seen);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -8,7 +8,7 @@
 
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// What the batch consists of: item n is the run of `configuration` with seed run.seed + n, on a
 /// device drawn by index n where asked for.
@@ -77,4 +77,4 @@ struct MonteCarloSummary {
 
 MonteCarloSummary summarise(const std::vector<MonteCarloItem>& items);
 
-}  // namespace ring_gyro
+}  // namespace cvg

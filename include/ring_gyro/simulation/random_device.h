@@ -4,7 +4,7 @@
 
 #include "ring_gyro/simulation/loop_configuration.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// A gyroscope drawn at random with loops to suit, the same for the same index on every machine.
 ///
@@ -21,4 +21,4 @@ namespace ring_gyro {
 /// Throws std::invalid_argument with the reason when there are no such loops for the device drawn.
 LoopConfiguration randomDevice(const LoopConfiguration& base, std::uint64_t index);
 
-}  // namespace ring_gyro
+}  // namespace cvg

@@ -10,7 +10,7 @@
 #include "ring_gyro/identification/frequency_response.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
-namespace ring_gyro {
+namespace cvg {
 
 /// How a device is swept and rung down, open loop.
 struct SweepParameters {
@@ -39,4 +39,4 @@ RingDown recordRingDown(const PlantParameters& plant, const ConverterParameters&
                         const DemodulationParameters& demodulation, const SweepParameters& sweep,
                         std::uint64_t seed);
 
-}  // namespace ring_gyro
+}  // namespace cvg
