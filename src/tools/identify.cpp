@@ -164,7 +164,7 @@ class Identification {
   }
 
   bridge::IdentificationResult identify(const std::vector<std::string>& bags,
-                                     Progress& progress) const {
+                                        Progress& progress) const {
     bridge::BagIdentification identification(bags, configuration_, arguments_.identification);
     progress.length = identification.length();
     std::unique_ptr<EstimateRecorder> recorder;

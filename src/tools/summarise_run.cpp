@@ -90,7 +90,8 @@ cvg::RunRecord readBag(const std::string& path, bridge::RefusedMessages& refused
   bridge::addSignals<ring_gyro::OrbitalElements, cvg::OrbitalElements>(bag, add, sinks, refused);
   bridge::addSignals<ring_gyro::ControlGains, cvg::ControlGains>(bag, add, sinks, refused);
   bridge::addSignals<ring_gyro::PlantTruth, cvg::PlantTruth>(bag, add, sinks, refused);
-  bridge::addSignals<ring_gyro::ParameterEstimate, cvg::ParameterEstimate>(bag, add, sinks, refused);
+  bridge::addSignals<ring_gyro::ParameterEstimate, cvg::ParameterEstimate>(bag, add, sinks,
+                                                                           refused);
   bridge::addMessages<ring_gyro::EndOfRun>(
       bag, [&record](const auto& end) { record.end(end.session, end.last_sequence); }, sinks);
   try {
