@@ -6,8 +6,8 @@
 #include <complex>
 
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/identification/averaged_model.h"
-#include "ring_gyro/identification/interval_filter.h"
+#include "ring_gyro/identification/filter/interval_filter.h"
+#include "ring_gyro/identification/model/averaged_model.h"
 
 namespace cvg {
 

@@ -11,7 +11,7 @@
 #include "averaged_loop.h"
 #include "dense_filter.h"
 #include "interleaved.h"
-#include "ring_gyro/identification/interval_filter.h"
+#include "ring_gyro/identification/filter/interval_filter.h"
 
 namespace cvg {
 namespace {

@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 """Checks that every folder of the package includes only what stands beneath it.
 
-The folders of include/ring_gyro and src are floors, lowest first; nodes and tools stand side by
-side on top. Below the ros floor nothing may include ROS, and each outside library has the lowest
-floor that may use it.
+The folders of include/ring_gyro and src are floors, lowest first, and the shelves of a folder are
+floors too; nodes and tools stand side by side on top. Below the ros floor nothing may include ROS,
+and each outside library has the lowest floor that may use it.
+
+usage: check_floors.py [PACKAGE]
 """
 
 import re
@@ -11,8 +13,9 @@ import sys
 from pathlib import Path
 
 FLOORS = [
-    "common", "resonator", "demodulation", "control", "identification", "compensation", "analysis",
-    "calibration", "simulation", "configuration", "logs", "ros", "nodes", "tools",
+    "common", "resonator", "demodulation", "control", "identification", "identification/model",
+    "identification/filter", "identification/judge", "compensation", "analysis", "calibration",
+    "simulation", "configuration", "logs", "ros", "nodes", "tools",
 ]
 LEVEL = {name: level for level, name in enumerate(FLOORS)}
 LEVEL["tools"] = LEVEL["nodes"]
@@ -24,15 +27,26 @@ OUTSIDE = {"Eigen": "common", "boost": "common", "yaml-cpp": "configuration",
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
+def floor_of(folder: str) -> str:
+    """Of the files in this folder; empty when it is none."""
+    parts = folder.split("/")
+    for depth in (2, 1):
+        name = "/".join(parts[:depth])
+        if name in LEVEL:
+            return name
+    return ""
+
+
 def fault(floor: str, header: str) -> str:
     """Why a file of `floor` must not include `header`; empty when it may."""
     parts = header.split("/")
     if parts[0] == "ring_gyro":
         if len(parts) == 2:  # a generated message
             return "" if LEVEL[floor] >= LEVEL["ros"] else "a ROS message"
-        target = parts[1]
-        if target not in LEVEL:
-            return f"the folder {target} is no floor known to scripts/check_floors.py"
+        folder = "/".join(parts[1:-1])
+        target = floor_of(folder)
+        if not target:
+            return f"the folder {folder} is no floor known to scripts/check_floors.py"
         if target == floor or LEVEL[target] < LEVEL[floor]:
             return ""
         return f"{target} does not stand beneath {floor}"
@@ -45,7 +59,7 @@ def fault(floor: str, header: str) -> str:
 
 
 def main() -> int:
-    root = Path(__file__).resolve().parent.parent
+    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent)
     files = 0
     faults = []
     for base in (root / "include" / "ring_gyro", root / "src"):
@@ -54,8 +68,8 @@ def main() -> int:
                 continue
             files += 1
             name = path.relative_to(root)
-            floor = path.relative_to(base).parts[0]
-            if floor not in LEVEL:
+            floor = floor_of(path.relative_to(base).parent.as_posix())
+            if not floor:
                 faults.append(f"{name}: stands in no floor known to scripts/check_floors.py")
                 continue
             for number, line in enumerate(path.read_text().splitlines(), 1):

@@ -9,7 +9,7 @@
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/control/drive_synthesis.h"
 #include "ring_gyro/demodulation/orbital_elements.h"
-#include "ring_gyro/identification/averaged_model.h"
+#include "ring_gyro/identification/model/averaged_model.h"
 
 namespace cvg {
 

@@ -1,4 +1,4 @@
-#include "ring_gyro/identification/averaged_model.h"
+#include "ring_gyro/identification/model/averaged_model.h"
 
 #include <gtest/gtest.h>
 

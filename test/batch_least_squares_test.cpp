@@ -1,6 +1,6 @@
 // The batch fit: exact without noise, from any guess, and what the filter comes near.
 
-#include "ring_gyro/identification/batch_least_squares.h"
+#include "ring_gyro/identification/judge/batch_least_squares.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "averaged_loop.h"
-#include "ring_gyro/identification/extended_identifier.h"
+#include "ring_gyro/identification/filter/extended_identifier.h"
 
 namespace cvg {
 namespace {

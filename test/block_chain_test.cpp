@@ -1,4 +1,4 @@
-#include "ring_gyro/identification/block_chain.h"
+#include "ring_gyro/identification/filter/block_chain.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/control/drive_synthesis.h"
-#include "ring_gyro/identification/averaged_model.h"
+#include "ring_gyro/identification/model/averaged_model.h"
 
 namespace cvg {
 namespace {

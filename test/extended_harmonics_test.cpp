@@ -9,8 +9,8 @@
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/control/drive_synthesis.h"
-#include "ring_gyro/identification/averaged_model.h"
-#include "ring_gyro/identification/extended_identifier.h"
+#include "ring_gyro/identification/filter/extended_identifier.h"
+#include "ring_gyro/identification/model/averaged_model.h"
 
 namespace cvg {
 namespace {

@@ -1,7 +1,7 @@
 // The extended identifier: its model against numeric derivatives, and each group of parameters
 // found again behind the time-domain plant and the real loops.
 
-#include "ring_gyro/identification/extended_identifier.h"
+#include "ring_gyro/identification/filter/extended_identifier.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ring_gyro/identification/factored_covariance.h"
+#include "ring_gyro/identification/filter/factored_covariance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ring_gyro/identification/frequency_response.h"
+#include "ring_gyro/identification/model/frequency_response.h"
 
 #include <gtest/gtest.h>
 

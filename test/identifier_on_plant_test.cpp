@@ -8,7 +8,7 @@
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/control/control_loops.h"
-#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/identification/filter/identifier.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
 namespace cvg {

@@ -1,4 +1,4 @@
-#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/identification/filter/identifier.h"
 
 #include <gtest/gtest.h>
 

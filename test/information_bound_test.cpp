@@ -1,6 +1,6 @@
 // The posterior Cramer-Rao bound against closed forms, and the filters against the bound.
 
-#include "ring_gyro/identification/information_bound.h"
+#include "ring_gyro/identification/judge/information_bound.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cstdio>
 
 #include "averaged_loop.h"
-#include "ring_gyro/identification/extended_identifier.h"
-#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/identification/filter/extended_identifier.h"
+#include "ring_gyro/identification/filter/identifier.h"
 
 namespace cvg {
 namespace {

@@ -1,4 +1,4 @@
-#include "ring_gyro/identification/interval_filter.h"
+#include "ring_gyro/identification/filter/interval_filter.h"
 
 #include <gtest/gtest.h>
 

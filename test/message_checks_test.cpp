@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "ring_gyro/configuration/configuration_reader.h"
-#include "ring_gyro/identification/block_chain.h"
+#include "ring_gyro/identification/filter/block_chain.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/simulation/closed_loop.h"
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "averaged_loop.h"
-#include "ring_gyro/identification/extended_prior.h"
-#include "ring_gyro/identification/information_bound.h"
+#include "ring_gyro/identification/filter/extended_prior.h"
+#include "ring_gyro/identification/judge/information_bound.h"
 
 namespace cvg {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "log_fixture.h"
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/identification/filter/identifier.h"
 
 namespace cvg {
 namespace {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/identification/consistency.h"
+#include "ring_gyro/identification/judge/consistency.h"
 
 namespace cvg {
 namespace {

@@ -20,9 +20,9 @@
 #include "command_line.h"
 #include "device_options.h"
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/identification/batch_least_squares.h"
-#include "ring_gyro/identification/extended_identifier.h"
-#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/identification/filter/extended_identifier.h"
+#include "ring_gyro/identification/filter/identifier.h"
+#include "ring_gyro/identification/judge/batch_least_squares.h"
 #include "ring_gyro/ros/recorded_run.h"
 
 namespace ring_gyro::tools {

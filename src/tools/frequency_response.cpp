@@ -1,6 +1,6 @@
 // rosrun ring_gyro frequency_response: swept sine and ring-down of the simulated device.
 
-#include "ring_gyro/identification/frequency_response.h"
+#include "ring_gyro/identification/model/frequency_response.h"
 
 #include <boost/program_options.hpp>
 #include <cmath>

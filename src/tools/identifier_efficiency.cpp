@@ -20,9 +20,9 @@
 
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/control/control_loops.h"
-#include "ring_gyro/identification/extended_identifier.h"
-#include "ring_gyro/identification/extended_prior.h"
-#include "ring_gyro/identification/information_bound.h"
+#include "ring_gyro/identification/filter/extended_identifier.h"
+#include "ring_gyro/identification/filter/extended_prior.h"
+#include "ring_gyro/identification/judge/information_bound.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
 namespace ring_gyro::tools {

@@ -23,7 +23,7 @@
 #include "progress_bar.h"
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/whole_file.h"
-#include "ring_gyro/identification/extended_identifier.h"
+#include "ring_gyro/identification/filter/extended_identifier.h"
 #include "ring_gyro/ros/bag_identification.h"
 #include "ring_gyro/ros/bag_writer.h"
 #include "ring_gyro/ros/conversions.h"

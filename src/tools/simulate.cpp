@@ -17,7 +17,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/configuration/configuration_reader.h"
-#include "ring_gyro/identification/consistency.h"
+#include "ring_gyro/identification/judge/consistency.h"
 #include "ring_gyro/ros/loop_recorder.h"
 #include "ring_gyro/simulation/closed_loop.h"
 

@@ -12,7 +12,7 @@
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/control/loop_settings.h"
-#include "ring_gyro/identification/extended_identifier.h"
+#include "ring_gyro/identification/filter/extended_identifier.h"
 
 namespace cvg {
 

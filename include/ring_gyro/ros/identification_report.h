@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "ring_gyro/identification/block_use.h"
-#include "ring_gyro/identification/consistency.h"
+#include "ring_gyro/identification/filter/block_use.h"
+#include "ring_gyro/identification/judge/consistency.h"
 #include "ring_gyro/identification/parameter_estimate.h"
 #include "ring_gyro/ros/pair_merge.h"
 #include "ring_gyro/ros/time_guard.h"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/identification/filter/identifier.h"
 #include "ring_gyro/ros/identification_report.h"
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/messages.h"

@@ -4,7 +4,7 @@
 
 #include "ring_gyro/compensation/compensation_injector.h"
 #include "ring_gyro/control/control_loops.h"
-#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/identification/filter/identifier.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 

@@ -9,8 +9,8 @@
 #include "ring_gyro/control/calibration.h"
 #include "ring_gyro/control/control_parameters.h"
 #include "ring_gyro/demodulation/demodulator.h"
-#include "ring_gyro/identification/extended_parameters.h"
-#include "ring_gyro/identification/identifier.h"
+#include "ring_gyro/identification/filter/identifier.h"
+#include "ring_gyro/identification/model/extended_parameters.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
 namespace cvg {

@@ -7,7 +7,7 @@
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/demodulation/demodulator.h"
-#include "ring_gyro/identification/frequency_response.h"
+#include "ring_gyro/identification/model/frequency_response.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 
 namespace cvg {

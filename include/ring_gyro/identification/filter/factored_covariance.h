@@ -1,0 +1,224 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "ring_gyro/common/lanes.h"
+#include "ring_gyro/common/pairs.h"
+#include "ring_gyro/common/unrolled.h"
+#include "ring_gyro/identification/model/parameter_lanes.h"
+#include "ring_gyro/identification/parameter_vector.h"
+
+namespace cvg {
+
+/// Covariance U D U' of the device parameters, U unit upper triangular, D diagonal: a square-root
+/// form, which no measurement can make negative, and which needs no scaling of the states.
+class FactoredCovariance {
+ public:
+  static constexpr int kSize = 5;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+
+  FactoredCovariance() = default;
+
+  /// Parameters that are correlated with nothing.
+  explicit FactoredCovariance(const ParameterVector& variance) {
+    for (int j = 0; j < kSize; ++j) diagonal_[j] = variance[j];
+    for (int j = 1; j < kSize; ++j) {
+      column(j) = FourLanes{};
+      if (j < 4) column(j)[j] = 1.0;
+    }
+  }
+
+  /// What two measurements brought about.
+  struct Outcome {
+    Square innovation_covariance;  ///< noise and all
+    double normalised_innovation_squared;
+    ParameterLanes gained;  ///< by the parameters
+  };
+
+  /// Measures rows * parameters with these innovations and positive definite covariance `noise`,
+  /// after Bierman: the first, then the second less what its noise has in common with that of the
+  /// first. Both go through the factors as they were, and what the first does to the second is
+  /// added (in the coordinates of U it is one number a column): so the second does not wait until
+  /// the first has been through the factors. `next`: the covariance after both, another object.
+  Outcome measure(const ParameterRows& rows, const Square& noise, const TwoLanes& innovation,
+                  FactoredCovariance& next) const {
+    const double first_noise = noise.first[0];
+    const double shared = noise.second[0] / first_noise;
+    const double second_noise = noise.second[1] - shared * noise.second[0];
+    double first[kSize], second[kSize];  // U' row
+    timesUpper(rows.first, first);
+    timesUpper(rows.second, second);
+    double first_spread[kSize], second_spread[kSize];  // D U' row
+    double first_step[kSize], second_step[kSize];      // what each column takes of those before it
+    double diagonal[kSize];
+    double common[kSize + 1];
+    double variance[kSize + 1];
+    unrolled<0, kSize>([&](auto j) {
+      second[j] -= shared * first[j];
+      first_spread[j] = diagonal_[j] * first[j];
+    });
+    runningSums(first_noise, first_spread, first, variance);
+    runningSums(0.0, first_spread, second, common);
+    double inverse = 1.0 / first_noise;
+    unrolled<0, kSize>([&](auto j) {
+      first_step[j] = -first[j] * inverse;
+      inverse = 1.0 / variance[j + 1];
+      diagonal[j] = diagonal_[j] * (variance[j] * inverse);
+      second[j] += first_step[j] * common[j];
+      second_spread[j] = diagonal[j] * second[j];
+    });
+    const double first_variance = variance[kSize];
+    const double first_share = innovation[0] * inverse;
+    const double second_innovation =
+        innovation[1] - shared * innovation[0] - common[kSize] * first_share;
+
+    runningSums(second_noise, second_spread, second, variance);
+    inverse = 1.0 / second_noise;
+    unrolled<0, kSize>([&](auto j) {
+      second_step[j] = -second[j] * inverse;
+      inverse = 1.0 / variance[j + 1];
+      next.diagonal_[j] = diagonal[j] * (variance[j] * inverse);
+    });
+    const double second_share = second_innovation * inverse;
+
+    // U times the spreads so far: in the end what the parameters have in common with the
+    // measurement.
+    FourLanes first_gathered = {first_spread[0], 0.0, 0.0, 0.0};
+    FourLanes second_gathered = {second_spread[0], 0.0, 0.0, 0.0};
+    unrolled<1, kSize>([&](auto j) {
+      const FourLanes& before = column(j);
+      const FourLanes between = before + first_step[j] * first_gathered;
+      first_gathered += first_spread[j] * before;
+      next.column(j) = between + second_step[j] * second_gathered;
+      second_gathered += second_spread[j] * between;
+    });
+    const double cross = shared * first_variance + common[kSize];
+    return {{TwoLanes{first_variance, cross},
+             TwoLanes{cross, variance[kSize] + cross * cross / first_variance}},
+            innovation[0] * first_share + second_innovation * second_share,
+            {first_share * first_gathered + second_share * second_gathered,
+             first_share * first_spread[4] + second_share * second_spread[4]}};
+  }
+
+  /// Adds weight * direction direction' (Agee and Turner). Two quantities that depend on the
+  /// parameters by `regression` do not move with them: it is made anew. Gives their common factor f
+  /// and the weight of the covariance weight f f' that they gain beside it.
+  struct Gained {
+    double weight;
+    TwoLanes factor;
+  };
+  Gained add(double weight, const ParameterVector& direction, ParameterRows& regression) {
+    Eigen::Matrix<double, 2, kSize> rows;
+    Numbers first, second;
+    timesUpper(regression.first, first);
+    timesUpper(regression.second, second);
+    for (int j = 0; j < kSize; ++j) rows.col(j) << first[j], second[j];
+    ParameterVector shape = direction;
+    Eigen::Vector2d row_shape = Eigen::Vector2d::Zero();
+    for (int j = kSize - 1; j >= 0 && weight > 0.0; --j) {
+      const double before = diagonal_[j];
+      diagonal_[j] += weight * shape[j] * shape[j];
+      if (!(diagonal_[j] > 0.0)) continue;
+      const double share = weight * shape[j] / diagonal_[j];
+      for (int i = 0; i < j; ++i) {
+        shape[i] -= shape[j] * column(j)[i];
+        column(j)[i] += share * shape[i];
+      }
+      row_shape -= shape[j] * rows.col(j);
+      rows.col(j) += share * row_shape;
+      weight *= before / diagonal_[j];
+    }
+    for (int j = 0; j < kSize; ++j) {
+      for (int i = 0; i < j; ++i) rows.col(j) -= column(j)[i] * rows.col(i);
+    }
+    regression = {ParameterLanes(rows.row(0)), ParameterLanes(rows.row(1))};
+    return {weight, TwoLanes{row_shape[0], row_shape[1]}};
+  }
+
+  /// Variances of the two quantities regression * parameters.
+  TwoLanes variance(const ParameterRows& regression) const {
+    const auto of = [this](const ParameterLanes& row) {
+      Numbers through;
+      timesUpper(row, through);
+      double even = 0.0;
+      double odd = 0.0;
+      unrolled<0, kSize>(
+          [&](auto j) { (j % 2 == 0 ? even : odd) += through[j] * (diagonal_[j] * through[j]); });
+      return even + odd;
+    };
+    return TwoLanes{of(regression.first), of(regression.second)};
+  }
+
+  /// Of the parameters: the diagonal of the covariance.
+  ParameterLanes variance() const {
+    ParameterLanes result(FourLanes{diagonal_[0], 0.0, 0.0, 0.0}, diagonal_[4]);
+    unrolled<1, kSize>([&](auto j) { result.mismatch += column(j) * (diagonal_[j] * column(j)); });
+    return result;
+  }
+
+  /// The covariance itself.
+  Matrix matrix() const {
+    Matrix upper = Matrix::Identity();
+    for (int j = 1; j < kSize; ++j) {
+      for (int i = 0; i < j; ++i) upper(i, j) = column(j)[i];
+    }
+    const Matrix weighted = upper * diagonal().asDiagonal();
+    Matrix result;
+    for (int i = 0; i < kSize; ++i) {
+      for (int j = i; j < kSize; ++j) {
+        result(i, j) = result(j, i) = weighted.row(i).dot(upper.row(j));
+      }
+    }
+    return result;
+  }
+
+  /// Of the numbers in it: not finite unless all of them are.
+  double sum() const {
+    double sum = sumOf((column(1) + column(2)) + (column(3) + column(4)));
+    unrolled<0, kSize>([&](auto j) { sum += diagonal_[j]; });
+    return sum;
+  }
+
+ private:
+  using Numbers = double[kSize];
+
+  /// The first four rows of column j of U, its ones and zeros with them; the first column is known.
+  FourLanes& column(int j) { return columns_[j - 1]; }
+  const FourLanes& column(int j) const { return columns_[j - 1]; }
+
+  Eigen::Map<const ParameterVector> diagonal() const {
+    return Eigen::Map<const ParameterVector>(diagonal_);
+  }
+
+  /// U' row.
+  void timesUpper(const ParameterLanes& row, Numbers& result) const {
+    const FourLanes& mismatch = row.mismatch;
+    const Numbers numbers = {mismatch[0], mismatch[1], mismatch[2], mismatch[3], row.drive_gain};
+    // A constant of its own type is no index of a vector; its value is.
+    unrolled<0, kSize>([&](auto j) {
+      double even = numbers[j];
+      double odd = 0.0;
+      unrolled<0, j>([&](auto i) { (i % 2 == 0 ? even : odd) += column(j)[i.value] * numbers[i]; });
+      result[j] = even + odd;
+    });
+  }
+
+  /// sums[j]: `start` and the first j products; by pairs, so that a sum is ready after half as many
+  /// steps.
+  static void runningSums(double start, const Numbers& one, const Numbers& other,
+                          double (&sums)[kSize + 1]) {
+    sums[0] = start;
+    unrolled<0, kSize>([&](auto j) {
+      if constexpr (j % 2 == 0) {
+        sums[j + 1] = sums[j] + one[j] * other[j];
+      } else {
+        sums[j + 1] = sums[j - 1] + (one[j - 1] * other[j - 1] + one[j] * other[j]);
+      }
+    });
+  }
+
+  FourLanes columns_[kSize - 1];
+  Numbers diagonal_;
+};
+
+}  // namespace cvg

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/parameter_table.h"
+#include "ring_gyro/control/control_gains.h"
+#include "ring_gyro/identification/filter/block_chain.h"
+#include "ring_gyro/identification/filter/first_look.h"
+#include "ring_gyro/identification/filter/interval_filter.h"
+#include "ring_gyro/identification/model/averaged_model.h"
+#include "ring_gyro/identification/parameter_estimate.h"
+
+namespace cvg {
+
+struct IdentificationParameters {
+  double natural_frequency = 0.0;  ///< f0 [Hz]
+  double quality_factor = 0.0;     ///< Q
+  double update_period = 0.1;      ///< whole blocks [s]
+  /// derived: from the figures below; paper: the Q and R printed in section 6 of the paper, for
+  /// each period, instead of the noise and random walks below.
+  std::string tuning = "derived";
+  double noise_density = 5e-6;       ///< of the displacement samples, one-sided [V/sqrt(Hz)]
+  double axis_process_noise = 2e-6;  ///< of a' and b' [V/sqrt(s)]
+  double initial_gamma_sigma = 0.1;
+  double initial_mu_sigma = 1e-4;
+  double initial_drive_gain_sigma = 0.5;  ///< relative
+  double gamma_walk = 0.0;                ///< random walk [1/sqrt(s)]
+  double mu_walk = 0.0;                   ///< random walk [1/sqrt(s)]
+  double drive_gain_walk = 0.0;           ///< random walk, relative [1/sqrt(s)]
+  double memory_time = 0.0;               ///< after which data count for 1/e, 0: for ever [s]
+  double converged_gamma_sigma = 1e-4;    ///< rule of `converged`
+  double converged_mu_sigma = 1e-8;
+  double converged_drive_gain_sigma = 5e-4;   ///< relative
+  double converged_angle = 3.14159265358979;  ///< span of theta that must have been seen [rad]
+
+  void declare(ParameterTable& table);
+};
+
+/// The extended Kalman filter (1)-(5),(29)-(33) on the averaged model, fed block by block.
+///
+/// Both kinds of input belong to the same block (see PairMerge); what acted when, and which blocks
+/// can be used, is BlockChain's. Each period's mean of a and b is one measurement of everything in
+/// that period (IntervalFilter). Periods end where (sequence + 1) is a multiple of the period,
+/// whenever the identifier was started.
+///
+/// A block that cannot be used, or a missing one, breaks the chain: its period gives no update, a
+/// and b start afresh from the next complete period, the parameters stay.
+/// The first complete period only sets the scale of ks, by the balance of drive and damping.
+/// While the parameters are so uncertain that the orbit predicted over a period would leave the
+/// range in which the model is linear (the first second or so), each block is an update of its own,
+/// and stays one if its period breaks later.
+class Identifier {
+ public:
+  /// Throws std::invalid_argument naming what cannot be used.
+  Identifier(const IdentificationParameters& parameters, const ConverterParameters& converter);
+
+  /// The next block; gives an estimate at each period's end, updated or not, and null otherwise.
+  /// It is good until the next call. Elements and gains must carry the same session and sequence,
+  /// otherwise the block is rejected. A new session, or a sequence that does not grow, starts
+  /// afresh. Does not allocate.
+  const ParameterEstimate* process(const OrbitalElements& elements, const ControlGains& gains);
+
+  /// Of the last estimate, units of (29). Diagonal, the initial one, until the scale of ks has been
+  /// found.
+  StateMatrix covariance() const;
+
+  /// Whether the last block can be used, and if not, why.
+  BlockUse lastUse() const { return chain_.lastUse(); }
+
+  std::int64_t periodBlocks() const { return period_blocks_; }
+  std::uint64_t restarts() const { return restarts_; }
+
+ private:
+  void restart(const BlockStamp& stamp);
+  void skipLost(const BlockStamp& stamp);
+  void take(const Orbit& orbit, const ControlGains& gains, bool first_of_period,
+            bool last_of_period);
+  void startPeriod(const Orbit& orbit, double reference_frequency);
+  void takeWaiting(bool last_of_period);
+  void breakChain();
+  void finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation);
+  bool setScale();
+  bool converged() const;
+  ParameterVector initialVariance() const;
+
+  IdentificationParameters parameters_;
+  AveragedModel model_;
+  IntervalFilter filter_;
+  std::int64_t period_blocks_;
+  double period_;
+  double sample_sigma_;  // of a or b in one block [V]
+
+  BlockChain chain_;
+  std::uint64_t block_of_period_ = 0;  // of the last block
+  // The last blocks that the filter has yet to take: many in one go, or one while each block is an
+  // update.
+  int waiting_ = 0;
+  int most_waiting_ = 1;
+
+  bool started_ = false;
+  BlockStamp last_stamp_;
+  std::uint64_t first_sequence_ = 0;
+  std::uint64_t used_ = 0;
+  std::uint64_t rejected_ = 0;
+  std::uint64_t lost_ = 0;
+  std::uint64_t restarts_ = 0;
+
+  bool scaled_ = false;     // ks has its scale, the filter runs
+  bool chained_ = false;    // the filter's a and b are those at the end of the last period
+  bool complete_ = false;   // the present period has had nothing but usable blocks
+  bool by_blocks_ = false;  // the present period is filtered block by block
+  ParameterEstimate estimate_;
+  std::uint64_t blocks_in_period_ = 0;
+  FirstLookSum first_look_;  // of the present period, until the filter runs
+  double lowest_theta_ = 0.0;
+  double highest_theta_ = 0.0;
+  double lowest_theta_in_period_ = 0.0;
+  double highest_theta_in_period_ = 0.0;
+};
+
+}  // namespace cvg

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/identification/filter/block_chain.h"
+#include "ring_gyro/identification/filter/first_look.h"
+#include "ring_gyro/identification/model/envelope_model.h"
+#include "ring_gyro/identification/model/extended_parameters.h"
+
+namespace cvg {
+
+/// Result of the batch fit.
+struct BatchEstimate {
+  bool converged = false;
+  int passes = 0;        ///< over the record
+  ExtendedVector value;  ///< physical coordinates; the envelope is that at the first block
+  ExtendedMatrix covariance;
+  double chi_square = 0.0;  ///< of the means over update_period
+  int residuals = 0;        ///< numbers in it
+};
+
+/// Least squares of the extended parameters on the whole record at once: the yardstick for the
+/// filters. The same model, the same means of the envelope over `update_period`, the same prior,
+/// but no process noise: each unbroken piece of the record is one solution of the envelope's
+/// equation.
+///
+/// Gauss-Newton. The first passes take the derivatives along the measured envelope: the difference
+/// of the measured from the predicted envelope obeys the equation of the predicted one, driven by
+/// the errors of the parameters times the measured envelope and the drive, exactly. So one pass
+/// finds the parameters from any guess, up to noise; the last ones are ordinary.
+class BatchLeastSquares {
+ public:
+  /// Throws std::invalid_argument naming what cannot be used.
+  BatchLeastSquares(const ExtendedParameters& parameters, const ConverterParameters& converter);
+
+  /// The next block; one that cannot be used ends the piece. `rotation_rate`: k Om [rad/s].
+  void add(const OrbitalElements& elements, const ControlGains& gains, double rotation_rate = 0.0);
+
+  /// Throws std::runtime_error when the record holds nothing to fit.
+  BatchEstimate solve() const;
+
+ private:
+  struct Sample {
+    bool starts_piece = false;
+    Eigen::Vector4d measured;
+    // Since the sample before; a duration of zero is no step.
+    std::array<double, 2> durations;
+    std::array<EnvelopeInput, 2> inputs;
+    std::array<double, 2> middles;
+  };
+  struct Piece;
+  struct Normal;
+
+  void accumulatePiece(const ExtendedVector& linear, const ExtendedVector& scale, bool at_measured,
+                       Piece& piece, Normal& normal) const;
+
+  ExtendedParameters parameters_;
+  EnvelopeModel model_;
+  std::size_t period_blocks_;
+  double block_duration_;
+  double sample_variance_;
+  BlockChain chain_;
+  bool chained_ = false;
+  std::vector<Sample> samples_;
+  FirstLookSum first_look_;
+};
+
+}  // namespace cvg

@@ -1,0 +1,317 @@
+#include "ring_gyro/identification/filter/extended_identifier.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ring_gyro/identification/filter/extended_prior.h"
+
+namespace cvg {
+namespace {
+
+const ExtendedParameters& checked(const ExtendedParameters& parameters) {
+  ExtendedParameters copy = parameters;
+  ParameterTable table;
+  copy.declare(table);
+  requireInRange(table, "extended/");
+  return parameters;
+}
+
+double square(double x) { return x * x; }
+
+// Relative change of an orbit by the cubic term. Known this well, the term is found; off by less
+// than that from where the filter started, it makes no difference; known this well, linearising at
+// the estimate is safe.
+constexpr double kCubicFound = 2e-4;
+constexpr double kCubicOff = 4e-4;
+constexpr double kCubicSharp = 2e-5;
+
+// Most that the envelope may turn or decay in the time of one mean.
+constexpr double kMostTurn = 0.5;
+
+// Of the sigmas found in one pass when they are the prior of the next.
+constexpr double kWidening = 10.0;
+// A pass takes at least so many periods; a parameter is found when its sigma is below this share of
+// its prior.
+constexpr int kLeastPeriods = 10;
+constexpr double kFoundShare = 0.1;
+// Sigma of the matrix of the rates, of the decay rate, with which linearising at the estimate is
+// safe.
+constexpr double kMatrixSharp = 0.005;
+// How near the estimate must be to where the pass was linearised, of the decay rate, for the pass
+// to stand.
+constexpr double kMatrixNear = 0.05;
+
+}  // namespace
+
+double ExtendedEstimate::sigma(Eigen::Index state) const {
+  return std::sqrt(covariance(state, state));
+}
+
+ExtendedIdentifier::ExtendedIdentifier(const ExtendedParameters& parameters,
+                                       const ConverterParameters& converter)
+    : parameters_(checked(parameters)),
+      state_(parameters),
+      period_blocks_(converter.wholeBlocks(parameters.update_period, "extended/update_period")),
+      block_duration_(converter.blockDuration()),
+      sample_sigma_(parameters.noise_density / std::sqrt(block_duration_)),
+      // Demodulation gives each quadrature the two-sided density N^2; the moving average in it
+      // makes samples of that variance over the block.
+      filter_(EnvelopeModel(state_), square(sample_sigma_), block_duration_,
+              square(parameters.envelope_process_noise)),
+      chain_(converter.blockDurationNanoseconds()) {}
+
+std::optional<ExtendedEstimate> ExtendedIdentifier::process(const OrbitalElements& elements,
+                                                            const ControlGains& gains,
+                                                            double rotation_rate) {
+  const BlockStamp& stamp = elements.stamp;
+  if (!started_ || stamp.session != last_stamp_.session || stamp.sequence <= last_stamp_.sequence) {
+    restart(stamp);
+  } else if (stamp.sequence != last_stamp_.sequence + 1) {
+    skipLost(stamp);
+  }
+  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
+  const bool first_of_period = stamp.sequence % period_blocks == 0;
+  if (first_of_period) {
+    blocks_in_period_ = 0;
+    complete_ = true;
+  }
+  ++blocks_in_period_;
+  last_stamp_ = stamp;
+  if (!chain_.admit(elements, gains, rotation_rate)) {
+    breakChain();
+  } else if (complete_) {
+    gather(stamp.sequence, first_of_period);
+  }
+  if ((stamp.sequence + 1) % period_blocks != 0) return std::nullopt;
+  return finishPeriod(stamp);
+}
+
+void ExtendedIdentifier::restart(const BlockStamp& stamp) {
+  started_ = true;
+  last_stamp_ = stamp;
+  used_ = rejected_ = lost_ = 0;
+  chain_.reset();
+  scaled_ = chained_ = complete_ = false;
+  settled_ = false;
+  passes_ = 0;
+  blocks_in_period_ = 0;
+  lowest_theta_ = highest_theta_ = 0.0;
+}
+
+void ExtendedIdentifier::skipLost(const BlockStamp& stamp) {
+  lost_ += stamp.sequence - last_stamp_.sequence - 1;
+  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
+  if (stamp.sequence / period_blocks != last_stamp_.sequence / period_blocks &&
+      (last_stamp_.sequence + 1) % period_blocks != 0) {
+    rejected_ += blocks_in_period_;  // of a period whose end was lost
+    blocks_in_period_ = 0;
+  }
+  chain_.reset();
+  breakChain();
+}
+
+double ExtendedIdentifier::restartSigma(double amplitude) const {
+  // Wide enough that the period's mean decides, and not one sample.
+  return 0.01 * amplitude + 10.0 * sample_sigma_;
+}
+
+void ExtendedIdentifier::gather(std::uint64_t sequence, bool first_of_period) {
+  const BlockChain::Block now = chain_.block(sequence);
+  if (first_of_period) {
+    lowest_theta_in_period_ = highest_theta_in_period_ = now.orbit.theta;
+    first_look_ = FirstLookSum();
+  }
+  lowest_theta_in_period_ = std::min(lowest_theta_in_period_, now.orbit.theta);
+  highest_theta_in_period_ = std::max(highest_theta_in_period_, now.orbit.theta);
+  if (!scaled_) {
+    first_look_.add(now.orbit, now.drive, now.reference_frequency);
+    return;
+  }
+  const Eigen::Vector4d measured = realParts(envelopeFromOrbit(now.orbit));
+  const bool restarted = first_of_period && !chained_;
+  if (restarted) filter_.restartEnvelope(measured, restartSigma(now.orbit.a));
+  if (first_of_period) {
+    EnvelopeInput input;
+    input.drive = now.drive;
+    input.reference_frequency = now.reference_frequency;
+    input.theta = now.orbit.theta;
+    input.rotation_rate = now.rotation_rate;
+    update_blocks_ = updateBlocks();
+    by_blocks_ = !filter_.isLinearOver(static_cast<double>(period_blocks_) * block_duration_,
+                                       static_cast<int>(period_blocks_), input);
+  }
+  if (!restarted) propagate(sequence);
+  filter_.sample(measured);
+  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
+  if (by_blocks_ || (sequence + 1) % period_blocks == 0 ||
+      (sequence % period_blocks + 1) % update_blocks_ == 0) {
+    update_ = filter_.update();
+    chained_ = update_.accepted;
+    if (!update_.accepted) breakChain();
+  }
+}
+
+/// A mean over a time in which the envelope turns or decays much shows little of it.
+std::uint64_t ExtendedIdentifier::updateBlocks() const {
+  const ExtendedVector& value = filter_.value();
+  const ExtendedState::Layout& at = state_.layout();
+  const double rate = state_.decayRate(value) +
+                      0.5 * state_.angularFrequency(value) * value.segment<2>(at.mu).norm();
+  const double period = static_cast<double>(period_blocks_) * block_duration_;
+  const double parts = std::ceil(rate * period / kMostTurn);
+  const double blocks = std::floor(static_cast<double>(period_blocks_) / std::max(parts, 1.0));
+  return static_cast<std::uint64_t>(std::max(blocks, 1.0));
+}
+
+void ExtendedIdentifier::propagate(std::uint64_t sequence) {
+  const Orbit before = chain_.block(sequence - 1).orbit;
+  const Orbit now = chain_.block(sequence).orbit;
+  const Eigen::Vector4d measured_before = realParts(envelopeFromOrbit(before));
+  const Eigen::Vector4d measured_change = realParts(envelopeFromOrbit(now)) - measured_before;
+  for (const ChainSegment& segment : chain_.segments(sequence)) {
+    if (segment.duration <= 0.0) continue;
+    filter_.step(segment.input, measured_before + segment.middle * measured_change,
+                 segment.duration);
+  }
+}
+
+void ExtendedIdentifier::breakChain() {
+  complete_ = false;
+  if (chained_) {
+    const Eigen::Vector4d envelope = filter_.value().head<4>();
+    filter_.restartEnvelope(envelope, restartSigma(envelope.norm()));
+  }
+  chained_ = false;
+}
+
+ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
+  ExtendedEstimate estimate;
+  bool used = false;
+  if (complete_ && scaled_) {
+    reconsider(stamp.sequence);
+    used = estimate.updated = true;
+    estimate.innovation = update_.innovation;
+    estimate.innovation_covariance = update_.innovation_covariance;
+    estimate.normalised_innovation_squared = update_.normalised_innovation_squared;
+    estimate.whole_period = !by_blocks_;
+  } else if (complete_) {
+    used = setScale(stamp.sequence);
+  }
+  if (used) {
+    const bool first = used_ == 0;
+    lowest_theta_ =
+        first ? lowest_theta_in_period_ : std::min(lowest_theta_, lowest_theta_in_period_);
+    highest_theta_ =
+        first ? highest_theta_in_period_ : std::max(highest_theta_, highest_theta_in_period_);
+  }
+  (used ? used_ : rejected_) += blocks_in_period_;
+  blocks_in_period_ = 0;
+  complete_ = false;
+
+  estimate.stamp = stamp;
+  estimate.used_blocks = used_;
+  estimate.rejected_blocks = rejected_;
+  estimate.lost_blocks = lost_;
+  estimate.scaled = scaled_;
+  estimate.settled = scaled_ && settled_;
+  estimate.angle_covered = highest_theta_ - lowest_theta_;
+  estimate.value.setZero(state_.size());
+  estimate.covariance.setZero(state_.size(), state_.size());
+  if (!scaled_) return estimate;
+  const ExtendedVector& linear = filter_.value();
+  const ExtendedMatrix slope = state_.physicalByLinear(linear);
+  estimate.value = state_.physical(linear);
+  const ExtendedMatrix covariance = slope * filter_.covariance() * slope.transpose();
+  estimate.covariance = 0.5 * (covariance + covariance.transpose());
+  estimate.quality_factor = 0.5 * state_.angularFrequency(linear) / state_.decayRate(linear);
+  return estimate;
+}
+
+void ExtendedIdentifier::reconsider(std::uint64_t sequence) {
+  if (filter_.linearisesAtEstimate()) return;
+  const ExtendedVector& value = filter_.value();
+  const int cubic = state_.layout().pickoff_cubic;
+  double cubic_sigma = 0.0;
+  double cubic_moved = 0.0;
+  if (cubic >= 0) {
+    const double square_amplitude = value.head<4>().squaredNorm();
+    cubic_sigma = square_amplitude * std::sqrt(filter_.covariance()(cubic, cubic));
+    cubic_moved = square_amplitude * std::abs(value[cubic] - cubic_at_start_);
+  }
+  EnvelopeInput input;
+  const BlockChain::Block now = chain_.block(sequence);
+  input.drive = now.drive;
+  input.reference_frequency = now.reference_frequency;
+  input.theta = now.orbit.theta;
+  input.rotation_rate = now.rotation_rate;
+  const bool sharp = filter_.matrixSigma(input) < kMatrixSharp * state_.decayRate(value);
+  if (settled_) {
+    if (sharp && cubic_sigma < kCubicSharp) filter_.lineariseAtEstimate();
+    return;
+  }
+  if (++periods_of_pass_ < kLeastPeriods) return;
+  if (passes_ > 0 && (!sharp || cubic_sigma > kCubicFound)) return;
+  const bool near = filter_.matrixMoved(input) < kMatrixNear * state_.decayRate(value);
+  settled_ = passes_ > 0 && near && cubic_moved < kCubicOff;
+  ++passes_;
+  if (!settled_) startAgain();
+}
+
+/// The parameters start once more from what was known before any data, so that nothing counts
+/// twice, but for mu and f0, whose prior says next to nothing. Linearised at what was found, as far
+/// as it was.
+void ExtendedIdentifier::startAgain() {
+  const ExtendedState::Layout& at = state_.layout();
+  const ExtendedVector found = state_.physical(filter_.value());
+  const ExtendedMatrix slope = state_.physicalByLinear(filter_.value());
+  const ExtendedVector found_sigma =
+      (slope * filter_.covariance() * slope.transpose()).diagonal().cwiseSqrt();
+  ExtendedVector value = first_value_;
+  ExtendedVector sigma = first_sigma_;
+  const auto keep = [&](int state) {
+    if (state < 0) return;
+    value[state] = found[state];
+    sigma[state] = std::min(sigma[state], kWidening * found_sigma[state]);
+  };
+  keep(at.mu);
+  keep(at.mu + 1);
+  keep(at.frequency);
+  ExtendedVector nominal = value;
+  for (Eigen::Index k = 4; k < nominal.size(); ++k) {
+    if (found_sigma[k] < kFoundShare * first_sigma_[k]) nominal[k] = found[k];
+  }
+  value.head<4>() = found.head<4>();
+  start(value, sigma, nominal);
+}
+
+bool ExtendedIdentifier::setScale(std::uint64_t sequence) {
+  const FirstLook look = first_look_.look(block_duration_, state_.nominalDecayRate());
+  ExtendedVector value = startValue(state_, parameters_, look);
+  const double drive_gain = value[state_.layout().drive_gain];
+  if (!(look.drive_gain > 0.0) || !std::isfinite(drive_gain)) return false;
+  value.head<4>() = realParts(envelopeFromOrbit(chain_.block(sequence).orbit));
+  first_value_ = value;
+  first_sigma_ = priorSigma(state_, parameters_, value);
+  first_sigma_.head<4>().setConstant(restartSigma(value.head<4>().norm()));
+  start(value, first_sigma_, value);
+  return true;
+}
+
+void ExtendedIdentifier::start(const ExtendedVector& value, const ExtendedVector& sigma,
+                               const ExtendedVector& nominal) {
+  const ExtendedMatrix slope = state_.linearByPhysical(value);
+  const ExtendedMatrix prior = slope * sigma.cwiseAbs2().asDiagonal() * slope.transpose();
+  ExtendedVector scale = slope.cwiseAbs() * sigma;
+  scale.head<4>().setOnes();
+  ExtendedVector growth = slope.cwiseAbs2() * parameterWalk(state_, parameters_, value).cwiseAbs2();
+  growth.head<4>().setZero();
+  filter_.initialise(state_.linear(value), prior, scale, growth);
+  scaled_ = true;
+  chained_ = false;
+  periods_of_pass_ = 0;
+  const int cubic = state_.layout().pickoff_cubic;
+  if (cubic >= 0) cubic_at_start_ = nominal[cubic];
+  filter_.linearise(state_.linear(nominal));
+}
+
+}  // namespace cvg

@@ -1,0 +1,330 @@
+#include "ring_gyro/identification/filter/identifier.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace cvg {
+namespace {
+
+// Variance of what nothing is known of yet: finite, so that it can be sent and plotted.
+constexpr double kUnknownVariance = 1e30;
+// Section 6 of the paper, in the order of (29), for one update a period. With such noise the model
+// is never linear over a period: it is spread over the updates of the period's blocks.
+constexpr std::array<double, 7> kPaperProcessNoise = {1e-4, 1e-4, 1.0, 1.0, 1e-2, 1e-2, 1e7};
+constexpr double kPaperMeasurementNoise = 1e-4;
+
+// Blocks are taken so many at a time, in lanes: the code for it, which has long since left the
+// instruction cache, is then run several times in a row.
+constexpr int kMostWaiting = 4 * static_cast<int>(kLanes);
+static_assert(kMostWaiting <= static_cast<int>(BlockChain::kReach));
+
+const IdentificationParameters& checked(const IdentificationParameters& parameters) {
+  IdentificationParameters copy = parameters;
+  ParameterTable table;
+  copy.declare(table);
+  requireInRange(table, "identification/");
+  if (parameters.tuning != "derived" && parameters.tuning != "paper") {
+    throw std::invalid_argument("identification: tuning = " + parameters.tuning +
+                                " must be derived or paper");
+  }
+  return parameters;
+}
+
+std::int64_t periodBlocks(const IdentificationParameters& parameters,
+                          const ConverterParameters& converter) {
+  return converter.wholeBlocks(parameters.update_period, "identification/update_period");
+}
+
+double square(double x) { return x * x; }
+
+IntervalNoise intervalNoise(const IdentificationParameters& parameters, double block_duration,
+                            std::int64_t period_blocks) {
+  IntervalNoise noise;
+  if (parameters.tuning == "paper") {
+    const double blocks = static_cast<double>(period_blocks);
+    noise.sample_variance = kPaperMeasurementNoise * blocks;
+    noise.axes_density = kPaperProcessNoise[kA] / (blocks * block_duration);
+  } else {
+    // Demodulation gives each quadrature the two-sided density N^2; the moving average in it makes
+    // samples of that variance over the block.
+    const double density = square(parameters.noise_density);
+    noise.sample_variance = density / block_duration;
+    noise.axes_density = square(parameters.axis_process_noise);
+    noise.angle_density = density;
+  }
+  return noise;
+}
+
+}  // namespace
+
+void IdentificationParameters::declare(ParameterTable& table) {
+  table
+      .number("update_period", update_period, "s", Range::between(1e-6, 10.0),
+              "a whole number of blocks; their mean is one measurement")
+      .text("tuning", tuning, {"derived", "paper"},
+            "noise of the filter: derived from the figures below, or the Q and R of the paper")
+      .number("noise_density", noise_density, "V/sqrt(Hz)", Range::between(1e-12, 1.0),
+              "of the displacement samples, white, one-sided")
+      .number("axis_process_noise", axis_process_noise, "V/sqrt(s)", Range::between(0.0, 1.0),
+              "what the averaged model does not know of a' and b', white")
+      .number("initial_gamma_sigma", initial_gamma_sigma, "1", Range::between(1e-9, 1.0),
+              "of gamma1 and gamma2 before any data")
+      .number("initial_mu_sigma", initial_mu_sigma, "1", Range::between(1e-12, 1e-2),
+              "of mu1 and mu2 before any data")
+      .number("initial_drive_gain_sigma", initial_drive_gain_sigma, "1", Range::between(1e-9, 10.0),
+              "of ks, relative to its value from the first period")
+      .number("gamma_walk", gamma_walk, "1/sqrt(s)", Range::between(0.0, 1.0),
+              "random walk of gamma1 and gamma2; 0: constant")
+      .number("mu_walk", mu_walk, "1/sqrt(s)", Range::between(0.0, 1e-2),
+              "random walk of mu1 and mu2; 0: constant")
+      .number("drive_gain_walk", drive_gain_walk, "1/sqrt(s)", Range::between(0.0, 1.0),
+              "random walk of ks, relative; 0: constant")
+      .number("memory_time", memory_time, "s", Range::atLeast(0.0),
+              "after which data count for 1/e, as far as newer data show the same; 0: for ever")
+      .number("converged_gamma_sigma", converged_gamma_sigma, "1", Range::above(0.0),
+              "converged needs both sigmas of gamma below this")
+      .number("converged_mu_sigma", converged_mu_sigma, "1", Range::above(0.0),
+              "converged needs both sigmas of mu below this")
+      .number("converged_drive_gain_sigma", converged_drive_gain_sigma, "1", Range::above(0.0),
+              "converged needs the sigma of ks, relative to ks, below this")
+      .number("converged_angle", converged_angle, "rad", Range::atLeast(0.0),
+              "converged needs at least this span of theta in the data used");
+}
+
+Identifier::Identifier(const IdentificationParameters& parameters,
+                       const ConverterParameters& converter)
+    : parameters_(checked(parameters)),
+      model_(parameters.natural_frequency, parameters.quality_factor),
+      filter_(model_, intervalNoise(parameters, converter.blockDuration(),
+                                    cvg::periodBlocks(parameters, converter))),
+      period_blocks_(cvg::periodBlocks(parameters, converter)),
+      period_(static_cast<double>(period_blocks_) * converter.blockDuration()),
+      sample_sigma_(parameters.noise_density / std::sqrt(converter.blockDuration())),
+      chain_(converter.blockDurationNanoseconds()) {}
+
+inline void Identifier::take(const Orbit& orbit, const ControlGains& gains, bool first_of_period,
+                             bool last_of_period) {
+  if (first_of_period) startPeriod(orbit, gains.reference_frequency);
+  lowest_theta_in_period_ = std::min(lowest_theta_in_period_, orbit.theta);
+  highest_theta_in_period_ = std::max(highest_theta_in_period_, orbit.theta);
+  if (!scaled_) {
+    first_look_.add(orbit, gains.drive.total(), gains.reference_frequency);
+    return;
+  }
+  if (!first_of_period || chained_) ++waiting_;
+  if (waiting_ < most_waiting_ && !last_of_period) return;
+  takeWaiting(last_of_period);
+}
+
+const ParameterEstimate* Identifier::process(const OrbitalElements& elements,
+                                             const ControlGains& gains) {
+  const BlockStamp& stamp = elements.stamp;
+  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
+  if (started_ && stamp.session == last_stamp_.session &&
+      stamp.sequence == last_stamp_.sequence + 1) {
+    if (++block_of_period_ == period_blocks) block_of_period_ = 0;
+  } else {
+    if (!started_ || stamp.session != last_stamp_.session ||
+        stamp.sequence <= last_stamp_.sequence) {
+      restart(stamp);
+    } else {
+      skipLost(stamp);
+    }
+    block_of_period_ = stamp.sequence % period_blocks;
+  }
+  last_stamp_ = stamp;
+  const bool first_of_period = block_of_period_ == 0;
+  const bool last_of_period = block_of_period_ + 1 == period_blocks;
+  if (first_of_period) {
+    blocks_in_period_ = 0;
+    complete_ = true;
+  }
+  ++blocks_in_period_;
+
+  if (!chain_.admit(elements, gains, 0.0)) {
+    breakChain();
+  } else if (complete_) {
+    take(elements.orbit, gains, first_of_period, last_of_period);
+  }
+  if (!last_of_period) return nullptr;
+  finishPeriod(stamp, gains.compensation);
+  return &estimate_;
+}
+
+void Identifier::restart(const BlockStamp& stamp) {
+  if (started_) ++restarts_;
+  started_ = true;
+  first_sequence_ = stamp.sequence;
+  used_ = rejected_ = lost_ = 0;
+  chain_.reset();
+  scaled_ = chained_ = complete_ = false;
+  blocks_in_period_ = 0;
+  lowest_theta_ = highest_theta_ = 0.0;
+}
+
+void Identifier::skipLost(const BlockStamp& stamp) {
+  lost_ += stamp.sequence - last_stamp_.sequence - 1;
+  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
+  if (stamp.sequence / period_blocks != last_stamp_.sequence / period_blocks &&
+      block_of_period_ + 1 != period_blocks) {
+    rejected_ += blocks_in_period_;  // of a period whose end was lost
+    blocks_in_period_ = 0;
+  }
+  chain_.reset();
+  breakChain();
+}
+
+void Identifier::startPeriod(const Orbit& orbit, double reference_frequency) {
+  lowest_theta_in_period_ = highest_theta_in_period_ = orbit.theta;
+  first_look_ = FirstLookSum();
+  waiting_ = 0;
+  if (!scaled_) return;
+  const Eigen::Vector2d axes(orbit.a, orbit.b);
+  // Wide enough that the period's mean decides, and not this one sample.
+  if (!chained_) filter_.restartAxes(axes, 0.01 * orbit.a + 10.0 * sample_sigma_);
+  by_blocks_ =
+      period_blocks_ == 1 ||
+      !filter_.isLinearOver(period_, static_cast<int>(period_blocks_), reference_frequency);
+  most_waiting_ = by_blocks_ ? 1 : kMostWaiting;
+  if (!chained_) filter_.sample(axes);
+}
+
+void Identifier::takeWaiting(bool last_of_period) {
+  const int count = std::exchange(waiting_, 0);
+  const std::uint64_t first = last_stamp_.sequence + 1 - static_cast<std::uint64_t>(count);
+  if (by_blocks_ && count == 1) {
+    AveragedStep<double> step;
+    chain_.step(first, model_.decayRate(), step);
+    Eigen::Vector2d axes;
+    chain_.axes(first, axes[0], axes[1]);
+    filter_.stepAndUpdate(step, chain_.blockDuration(), axes);
+  } else {
+    constexpr int kMost = static_cast<int>(kLanes);
+    for (int taken = 0; taken < count; taken += kMost) {
+      const std::uint64_t sequence = first + static_cast<std::uint64_t>(taken);
+      AveragedStep<Lanes> steps;
+      chain_.steps(sequence, model_.decayRate(), steps);
+      Lanes a, b;
+      chain_.axes(sequence, a, b);
+      filter_.steps(steps, std::min(kMost, count - taken), chain_.blockDuration(), a, b);
+    }
+    if (!by_blocks_ && !last_of_period) return;
+    filter_.update();
+  }
+  chained_ = filter_.lastUpdate().accepted;
+  if (!chained_) breakChain();
+}
+
+void Identifier::breakChain() {
+  complete_ = false;
+  if (chained_) {
+    const Eigen::Vector2d axes = filter_.value().head<2>();
+    filter_.restartAxes(axes, 0.01 * std::abs(axes[0]) + 10.0 * sample_sigma_);
+  }
+  chained_ = false;
+}
+
+void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation) {
+  ParameterEstimate& estimate = estimate_;
+  bool used = false;
+  estimate.updated = complete_ && scaled_;
+  if (estimate.updated) {
+    used = true;
+    const IntervalUpdate& update = filter_.lastUpdate();
+    estimate.innovation = update.innovation;
+    estimate.innovation_covariance = update.innovation_covariance;
+    estimate.normalised_innovation_squared = update.normalised_innovation_squared;
+  } else {
+    estimate.innovation.setZero();
+    estimate.innovation_covariance.setZero();
+    estimate.normalised_innovation_squared = 0.0;
+    used = complete_ && setScale();
+  }
+  if (used) {
+    const bool first = used_ == 0;
+    lowest_theta_ =
+        first ? lowest_theta_in_period_ : std::min(lowest_theta_, lowest_theta_in_period_);
+    highest_theta_ =
+        first ? highest_theta_in_period_ : std::max(highest_theta_, highest_theta_in_period_);
+  }
+  (used ? used_ : rejected_) += blocks_in_period_;
+  blocks_in_period_ = 0;
+  complete_ = false;
+
+  estimate.stamp = stamp;
+  estimate.first_sequence = first_sequence_;
+  estimate.used_blocks = used_;
+  estimate.rejected_blocks = rejected_;
+  estimate.lost_blocks = lost_;
+  estimate.angle_covered = highest_theta_ - lowest_theta_;
+  if (scaled_) {
+    estimate.value = filter_.value();
+    estimate.parameter_variance = filter_.parameterVariance();
+  } else {
+    estimate.value.setZero();
+    estimate.parameter_variance = initialVariance();
+  }
+  const double cancelled_by_gain = 0.5 * estimate.value[kDriveGain] / model_.decayRate();
+  estimate.residual_gamma1 = estimate.value[kGamma1];
+  estimate.residual_gamma2 = estimate.value[kGamma2];
+  if (std::isfinite(compensation.gain1) && std::isfinite(compensation.gain2)) {
+    estimate.residual_gamma1 -= cancelled_by_gain * compensation.gain1;
+    estimate.residual_gamma2 -= cancelled_by_gain * compensation.gain2;
+  }
+  estimate.converged = converged();
+}
+
+bool Identifier::setScale() {
+  const FirstLook look = first_look_.look(chain_.blockDuration(), model_.decayRate());
+  if (!(look.drive_gain > 0.0) || !std::isfinite(look.drive_gain)) return false;
+
+  StateVector value = StateVector::Zero();
+  value[kA] = look.amplitude;
+  value[kDriveGain] = look.drive_gain;
+  const double axis_sigma = 0.01 * value[kA] + 10.0 * sample_sigma_;
+  StateVector sigma;
+  sigma << axis_sigma, axis_sigma, parameters_.initial_gamma_sigma, parameters_.initial_gamma_sigma,
+      parameters_.initial_mu_sigma, parameters_.initial_mu_sigma,
+      parameters_.initial_drive_gain_sigma * look.drive_gain;
+  ParameterVector walk;
+  if (parameters_.tuning == "paper") {
+    for (int k = 0; k < 5; ++k) walk[k] = std::sqrt(kPaperProcessNoise[k + 2] / period_);
+  } else {
+    walk << parameters_.gamma_walk, parameters_.gamma_walk, parameters_.mu_walk,
+        parameters_.mu_walk, parameters_.drive_gain_walk * look.drive_gain;
+  }
+  filter_.initialise(value, sigma, walk, parameters_.memory_time);
+  scaled_ = true;
+  return true;
+}
+
+bool Identifier::converged() const {
+  const double gamma = square(parameters_.converged_gamma_sigma);
+  const double mu = square(parameters_.converged_mu_sigma);
+  const auto variance = [this](StateIndex index) { return estimate_.variance(index); };
+  return scaled_ && variance(kGamma1) < gamma && variance(kGamma2) < gamma && variance(kMu1) < mu &&
+         variance(kMu2) < mu &&
+         variance(kDriveGain) <
+             square(parameters_.converged_drive_gain_sigma * estimate_.value[kDriveGain]) &&
+         estimate_.angle_covered >= parameters_.converged_angle;
+}
+
+/// Until the scale of ks has been found.
+ParameterVector Identifier::initialVariance() const {
+  const double gamma = square(parameters_.initial_gamma_sigma);
+  const double mu = square(parameters_.initial_mu_sigma);
+  return (ParameterVector() << gamma, gamma, mu, mu, kUnknownVariance).finished();
+}
+
+StateMatrix Identifier::covariance() const {
+  if (scaled_) return filter_.covariance();
+  StateVector variance;
+  variance << kUnknownVariance, kUnknownVariance, initialVariance();
+  return StateMatrix(variance.asDiagonal());
+}
+
+}  // namespace cvg
