@@ -12,6 +12,7 @@
 #include "ring_gyro/control/drive_synthesis.h"
 #include "ring_gyro/control/loop_filter.h"
 #include "ring_gyro/demodulation/demodulator.h"
+#include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace cvg {

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 FLOORS = [
-    "common", "resonator", "demodulation", "control", "identification", "identification/model",
+    "common", "signals", "resonator", "demodulation", "control", "identification/model",
     "identification/filter", "identification/judge", "compensation", "analysis", "calibration",
     "simulation", "configuration", "logs", "ros", "nodes", "tools",
 ]

@@ -6,10 +6,12 @@
 #include <random>
 
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/control/drive_synthesis.h"
-#include "ring_gyro/demodulation/orbital_elements.h"
+#include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/identification/model/averaged_model.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/loop_status.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 

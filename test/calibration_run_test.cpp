@@ -64,7 +64,7 @@ CalibrationResult calibrated(const LoopConfiguration& configuration, std::string
 }
 
 LoopConfiguration withResult(LoopConfiguration c, const CalibrationResult& result) {
-  c.calibration = result.calibration;
+  c.corrections = result.corrections;
   c.device = {result.natural_frequency, result.quality_factor, result.drive_gain,
               result.angular_gain};
   c.shareDevice();
@@ -84,7 +84,7 @@ TEST(CalibrationRun, FindsAndCancelsWhatDependsOnTheAngle) {
   std::printf("%s", calibrationText(result).c_str());
   ASSERT_TRUE(result.angle_map_measured);
   EXPECT_NEAR(result.quality_factor / 5000.0, 1.0, 1e-3);
-  EXPECT_NEAR(result.calibration.pickoff_cubic, 0.02, 2e-4);
+  EXPECT_NEAR(result.corrections.pickoff_cubic, 0.02, 2e-4);
   EXPECT_NEAR(result.angular_gain, 1.0, 1e-4);
   ASSERT_TRUE(result.threshold.has_value());
   EXPECT_TRUE(result.threshold->followed());
@@ -177,13 +177,13 @@ TEST(CalibrationRun, HandsOutEachStageWhenItIsFound) {
   for (std::size_t k = 0; k < stages.size(); ++k) {
     const auto first = stages.begin() + static_cast<std::ptrdiff_t>(k) + 1;
     EXPECT_EQ(found[k].missing, std::vector<std::string>(first, stages.end())) << stages[k];
-    EXPECT_NEAR(found[k].calibration.gamma1, 0.03, 0.01);
+    EXPECT_NEAR(found[k].corrections.gamma1, 0.03, 0.01);
   }
   EXPECT_EQ(found[0].drift_rounds.size(), 0u);
-  EXPECT_EQ(found[3].calibration.drift.cosine, result.calibration.drift.cosine);
+  EXPECT_EQ(found[3].corrections.drift.cosine, result.corrections.drift.cosine);
   EXPECT_FALSE(found[3].angle_map_measured);
   // Verification comes last and changes nothing of what is written.
-  EXPECT_EQ(found[4].calibration.angle_map.sine, result.calibration.angle_map.sine);
+  EXPECT_EQ(found[4].corrections.angle_map.sine, result.corrections.angle_map.sine);
   EXPECT_EQ(found[4].angular_gain, result.angular_gain);
 }
 
@@ -206,7 +206,7 @@ TEST(CalibrationRun, AppliesNoAngleMapThatWasNotMeasured) {
   const CalibrationResult result = calibrated(configuration, failure);
   ASSERT_EQ(failure, "");
   EXPECT_FALSE(result.angle_map_measured);
-  EXPECT_EQ(result.calibration.angle_map.orders(), 0u);
+  EXPECT_EQ(result.corrections.angle_map.orders(), 0u);
   EXPECT_NE(calibrationText(result).find("not measured, none applied"), std::string::npos);
   const CalibrationJudgement judged =
       judgeCalibration(withoutNoise(withResult(configuration, result)), 1.5, 20.0);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/signals/compensation_decision.h"
 
 namespace cvg {
 namespace {

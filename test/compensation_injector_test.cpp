@@ -10,6 +10,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/control/drive_synthesis.h"
 #include "ring_gyro/identification/model/averaged_model.h"
+#include "ring_gyro/signals/compensation_decision.h"
 
 namespace cvg {
 namespace {

@@ -71,7 +71,7 @@ TEST(ConfigurationReader, TakesEveryTextThatIsWhollyANumber) {
 TEST(ConfigurationReader, TakesTextThatIsANumberWithinListsToo) {
   YAML::Node root = minimal();
   root["calibration"]["drift_cosine"] = YAML::Load("[0, '1e-07', \"-2.5e-3\", 4e-1]");
-  EXPECT_EQ(readConfiguration(root).calibration.drift.cosine,
+  EXPECT_EQ(readConfiguration(root).corrections.drift.cosine,
             (std::vector<double>{0.0, 1e-7, -2.5e-3, 0.4}));
 }
 

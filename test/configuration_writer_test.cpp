@@ -62,19 +62,19 @@ void fill(const Section& section, Random& random) {
 
 struct Device {
   DeviceKnowledge device;
-  Calibration calibration;
+  Corrections corrections;
 
   Sections sections() {
     Sections result = {{"device", {}}, {"calibration", {}}};
     device.declare(result[0].table);
-    calibration.declare(result[1].table);
+    corrections.declare(result[1].table);
     return result;
   }
 };
 
 CalibrationResult resultOf(const Device& found) {
   CalibrationResult result;
-  result.calibration = found.calibration;
+  result.corrections = found.corrections;
   result.natural_frequency = found.device.natural_frequency;
   result.quality_factor = found.device.quality_factor;
   result.drive_gain = found.device.drive_gain;
@@ -113,7 +113,7 @@ TEST(ConfigurationWriter, RandomCalibrationsAreReadBackToTheLastBit) {
     if (k % 2 == 0) result.missing = {"angle map", "verification"};
     const std::string yaml = calibrationYaml(result, {1.0, 10.0, 1.0, 1.0});
     LoopConfiguration configuration = read(yaml);
-    Device back{configuration.device, configuration.calibration};
+    Device back{configuration.device, configuration.corrections};
     expectSame(written.sections(), back.sections());
     EXPECT_EQ(yaml.find("# PARTIAL") != std::string::npos, !result.missing.empty());
     // A parameter server has 32 bits for what it takes as an integer.

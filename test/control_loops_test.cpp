@@ -11,7 +11,9 @@
 #include <random>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/signals/calibration_command.h"
 
 namespace cvg {
 namespace {
@@ -22,7 +24,7 @@ struct LoopSetup {
   PlantParameters plant;
   ControlParameters control;
   ConverterParameters converter;
-  Calibration calibration;
+  Corrections corrections;
 
   LoopSetup() {
     ResonatorParameters& r = plant.resonator;
@@ -47,7 +49,7 @@ class Loop {
  public:
   explicit Loop(const LoopSetup& setup)
       : plant_(setup.plant, setup.converter, 1, 1, kStart),
-        loops_(setup.control, {}, setup.converter, setup.calibration) {
+        loops_(setup.control, {}, setup.converter, setup.corrections) {
     block_ = plant_.start();
   }
   const LoopOutput& step() {
@@ -173,8 +175,8 @@ TEST(ControlLoops, CompensateAKnownMismatchFromTheStart) {
     return highest - lowest;
   };
   EXPECT_NEAR(spread(setup), 8.26, 0.1);  // 2 xi0 w0 |gamma|
-  setup.calibration.gamma1 = 0.02;
-  setup.calibration.gamma2 = 0.03;
+  setup.corrections.gamma1 = 0.02;
+  setup.corrections.gamma2 = 0.03;
   EXPECT_LT(spread(setup), 0.01);
 }
 
@@ -288,10 +290,10 @@ TEST(ControlLoops, ANewSessionFindsThemAsNewlyMade) {
   LoopSetup setup;
   setup.plant.sense.noise_density = 5e-6;
   setup.control.virtual_rate = toRadians(12.0);
-  setup.calibration.gamma1 = 0.01;
+  setup.corrections.gamma1 = 0.01;
   for (const int first_blocks : {1, 100, 4000}) {
     for (const int missed : {0, 1, 37}) {  // blocks of the second session
-      ControlLoops used(setup.control, {}, setup.converter, setup.calibration);
+      ControlLoops used(setup.control, {}, setup.converter, setup.corrections);
       PlantSimulator first(setup.plant, setup.converter, 3, 1, kStart);
       DisplacementBlock block = first.start();
       for (int n = 0; n < first_blocks; ++n) {
@@ -304,7 +306,7 @@ TEST(ControlLoops, ANewSessionFindsThemAsNewlyMade) {
         }
         block = first.step(used.process(block).command);
       }
-      ControlLoops fresh(setup.control, {}, setup.converter, setup.calibration);
+      ControlLoops fresh(setup.control, {}, setup.converter, setup.corrections);
       PlantSimulator plant(setup.plant, setup.converter, 4, 2, kStart);
       block = plant.start();
       for (int n = 0; n < missed; ++n) block = plant.coast();
@@ -338,12 +340,12 @@ TEST(ControlLoops, NeverSendMoreThanTheDriveLimit) {
     setup.control.drive_limit = 6.0 + 4.0 * between(engine);
     setup.control.hold_gain = 0.55 + 0.45 * between(engine);
     setup.control.hold_delay = 5e-6 * (1.0 + between(engine));
-    DrivePath& path = setup.calibration.drive_path;
+    DrivePath& path = setup.corrections.drive_path;
     path.mismatch = 0.3 * between(engine);
     path.skew = 0.3 * between(engine);
     path.rotation = 0.3 * between(engine);
     path.phase_mismatch = 0.3 * between(engine);
-    setup.calibration.gamma1 = 0.1 * between(engine);
+    setup.corrections.gamma1 = 0.1 * between(engine);
     Loop loop(setup);
     double largest = 0.0;
     DriveCommand sent;
@@ -354,7 +356,7 @@ TEST(ControlLoops, NeverSendMoreThanTheDriveLimit) {
         const Eigen::Vector2cd asked =
             setup.control.hold_gain *
             std::polar(1.0, -sent.reference_frequency * setup.control.hold_delay) *
-            (setup.calibration.driveCorrection().inverse() * sent.envelope);
+            (setup.corrections.driveCorrection().inverse() * sent.envelope);
         EXPECT_LT((output.gains.drive.total() - asked).norm(), 1e-9);
       }
       sent = output.command;

@@ -14,6 +14,8 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/message_pool.h"
+#include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/compensation_decision.h"
 
 namespace ring_gyro::test {
 namespace {
@@ -211,10 +213,10 @@ TEST(Conversions, CompensationDecision) {
 }
 
 /// Every parameter of a calibration, so that none can be left out of the message.
-cvg::Calibration anyCalibration(Values& values, int orders) {
-  cvg::Calibration calibration;
+cvg::Corrections anyCorrections(Values& values, int orders) {
+  cvg::Corrections corrections;
   cvg::ParameterTable table;
-  calibration.declare(table);
+  corrections.declare(table);
   for (const cvg::Parameter& parameter : table.parameters()) {
     if (const auto* flag = std::get_if<bool*>(&parameter.target)) **flag = values.nextFlag();
     if (const auto* number = std::get_if<double*>(&parameter.target)) **number = values.next();
@@ -222,12 +224,12 @@ cvg::Calibration anyCalibration(Values& values, int orders) {
       for (int i = 0; i < orders; ++i) (*list)->push_back(values.next());
     }
   }
-  return calibration;
+  return corrections;
 }
 
-std::string parametersOf(cvg::Calibration calibration) {
+std::string parametersOf(cvg::Corrections corrections) {
   cvg::ParameterTable table;
-  calibration.declare(table);
+  corrections.declare(table);
   std::string text;
   for (const cvg::Parameter& parameter : table.parameters()) {
     text += parameter.key + ": " + cvg::valueText(parameter) + "\n";
@@ -252,8 +254,8 @@ TEST(Conversions, CalibrationCommand) {
     settings.amplitude_modulation = values.next();
     settings.amplitude_modulation_frequency = values.next();
     settings.end_of_run = values.nextFlag();
-    settings.calibration = anyCalibration(values, orders);
-    settings.calibration.angle_map.constant = values.next();
+    settings.corrections = anyCorrections(values, orders);
+    settings.corrections.angle_map.constant = values.next();
     expectSameBits<ring_gyro::CalibrationCommand>(
         command, [&](const cvg::CalibrationCommand& from, ring_gyro::CalibrationCommand& to) {
           bridge::toMessage(from, data, to);
@@ -262,7 +264,7 @@ TEST(Conversions, CalibrationCommand) {
     bridge::toMessage(command, data, message);
     cvg::CalibrationCommand copy;
     bridge::fromMessage(message, copy);
-    EXPECT_EQ(parametersOf(copy.settings.calibration), parametersOf(settings.calibration));
+    EXPECT_EQ(parametersOf(copy.settings.corrections), parametersOf(settings.corrections));
     EXPECT_EQ(message.data_sequence, data.sequence);
   }
 }

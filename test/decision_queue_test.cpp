@@ -1,11 +1,11 @@
-#include "ring_gyro/nodes/decision_queue.h"
+#include "ring_gyro/signals/decision_queue.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <vector>
 
-namespace ring_gyro::test {
+namespace cvg {
 namespace {
 
 constexpr std::uint64_t kPeriod = 100;
@@ -26,7 +26,7 @@ class DecisionQueueTest : public ::testing::Test {
     return values;
   }
 
-  nodes::DecisionQueue<Decision> queue_{kPeriod};
+  DecisionQueue<Decision> queue_{kPeriod};
 };
 
 TEST_F(DecisionQueueTest, NothingIsDueInTheFirstTwoPeriods) {
@@ -119,9 +119,9 @@ TEST_F(DecisionQueueTest, HoldsABoundedNumber) {
   EXPECT_TRUE(applied(1).empty());
   for (std::uint64_t i = 0; i < 1000; ++i) queue_.add({kSession, 1000 + i, 2});
   queue_.add({kSession, 200, 1});
-  EXPECT_EQ(queue_.counts().early, 1001 - nodes::kMostDecisions);
+  EXPECT_EQ(queue_.counts().early, 1001 - DecisionQueue<Decision>::kMostWaiting);
   EXPECT_EQ(applied(200), std::vector<int>{1});
 }
 
 }  // namespace
-}  // namespace ring_gyro::test
+}  // namespace cvg

@@ -6,6 +6,7 @@
 #include <complex>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/demodulation/orbit.h"
 
 namespace cvg {
 namespace {

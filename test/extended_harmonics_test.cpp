@@ -9,6 +9,7 @@
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/control/drive_synthesis.h"
+#include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/identification/filter/extended_identifier.h"
 #include "ring_gyro/identification/model/averaged_model.h"
 

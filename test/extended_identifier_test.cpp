@@ -14,6 +14,7 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/control/control_loops.h"
 #include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/signals/calibration_command.h"
 
 namespace cvg {
 namespace {

@@ -12,6 +12,7 @@
 #include "ring_gyro/analysis/rate_harmonics.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/configuration/configuration_reader.h"
+#include "ring_gyro/signals/calibration_command.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
 namespace cvg {

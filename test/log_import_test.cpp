@@ -7,6 +7,7 @@
 
 #include "log_fixture.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/logs/log_table.h"
 #include "ring_gyro/logs/number_text.h"
 #include "ring_gyro/logs/quantity.h"

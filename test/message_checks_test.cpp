@@ -17,6 +17,7 @@
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/identification/filter/block_chain.h"
 #include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/signals/calibration_command.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
 namespace ring_gyro::test {
@@ -102,8 +103,8 @@ ring_gyro::CalibrationCommand goodCommand() {
   command.settings.virtual_rate = 0.7;
   command.settings.amplitude_modulation = 0.1;
   command.settings.amplitude_modulation_frequency = 0.2;
-  command.settings.calibration.drift = {0.1, {0.2, 0.3}, {0.4}};
-  command.settings.calibration.angle_map = {0.1, {0.2}, {0.3, 0.4, 0.5}};
+  command.settings.corrections.drift = {0.1, {0.2, 0.3}, {0.4}};
+  command.settings.corrections.angle_map = {0.1, {0.2}, {0.3, 0.4, 0.5}};
   command.leg = "survey";
   command.time_left = 12.0;
   ring_gyro::CalibrationCommand message;

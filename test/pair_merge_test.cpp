@@ -1,11 +1,11 @@
-#include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/signals/pair_merge.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <vector>
 
-namespace ring_gyro::test {
+namespace cvg {
 namespace {
 
 constexpr std::int64_t kBlock = 1000000;
@@ -16,17 +16,17 @@ Signal at(std::uint64_t sequence, std::uint32_t session = 1) {
   signal.stamp = {session, sequence, static_cast<std::int64_t>(sequence + 1) * kBlock, kBlock};
   return signal;
 }
-cvg::OrbitalElements elements(std::uint64_t sequence, std::uint32_t session = 1) {
-  return at<cvg::OrbitalElements>(sequence, session);
+OrbitalElements elements(std::uint64_t sequence, std::uint32_t session = 1) {
+  return at<OrbitalElements>(sequence, session);
 }
-cvg::ControlGains gains(std::uint64_t sequence, std::uint32_t session = 1) {
-  return at<cvg::ControlGains>(sequence, session);
+ControlGains gains(std::uint64_t sequence, std::uint32_t session = 1) {
+  return at<ControlGains>(sequence, session);
 }
 
 class PairMergeTest : public ::testing::Test {
  protected:
   std::vector<std::uint64_t> sequences_;
-  bridge::PairMerge merge_{[this](const cvg::OrbitalElements& e, const cvg::ControlGains& g) {
+  PairMerge merge_{[this](const OrbitalElements& e, const ControlGains& g) {
     EXPECT_EQ(e.stamp.sequence, g.stamp.sequence);
     EXPECT_EQ(e.stamp.session, g.stamp.session);
     sequences_.push_back(e.stamp.sequence);
@@ -64,7 +64,7 @@ TEST_F(PairMergeTest, LeavesOutDuplicatesAndZeroStamps) {
   merge_.add(elements(0));
   merge_.add(gains(0));
   merge_.add(gains(0));
-  cvg::OrbitalElements unstamped = elements(1);
+  OrbitalElements unstamped = elements(1);
   unstamped.stamp.end_ns = 0;
   merge_.add(unstamped);
   merge_.add(elements(1));
@@ -128,7 +128,7 @@ TEST_F(PairMergeTest, FlushCountsWhatWaits) {
 }
 
 TEST_F(PairMergeTest, ASilentTopicIsNotWaitedForForEver) {
-  const std::uint64_t most = bridge::PairMerge::kMostWaiting;
+  const std::uint64_t most = PairMerge::kMostWaiting;
   for (std::uint64_t i = 0; i < most; ++i) merge_.add(elements(i));
   EXPECT_EQ(merge_.waiting(), most);
   EXPECT_EQ(merge_.counts().elements_alone, 0u);
@@ -148,7 +148,7 @@ TEST_F(PairMergeTest, ASilentTopicIsNotWaitedForForEver) {
 }
 
 TEST_F(PairMergeTest, TopicsInDifferentSessionsAreBoundedToo) {
-  const std::uint64_t most = bridge::PairMerge::kMostWaiting;
+  const std::uint64_t most = PairMerge::kMostWaiting;
   for (std::uint64_t i = 0; i < 2 * most; ++i) {
     merge_.add(elements(i, 1));
     merge_.add(gains(i, 2));
@@ -181,8 +181,8 @@ TEST_F(PairMergeTest, WhatGoesOnInASessionThatWasLeftIsLeftOut) {
 
 TEST(PairMerge, MayBeFlushedFromItsSink) {
   int pairs = 0;
-  bridge::PairMerge* self = nullptr;
-  bridge::PairMerge merge([&](const cvg::OrbitalElements&, const cvg::ControlGains&) {
+  PairMerge* self = nullptr;
+  PairMerge merge([&](const OrbitalElements&, const ControlGains&) {
     ++pairs;
     self->flush();
   });
@@ -195,21 +195,21 @@ TEST(PairMerge, MayBeFlushedFromItsSink) {
 }
 
 TEST(TimeGuard, SortsStamps) {
-  bridge::TimeGuard guard;
-  cvg::BlockStamp stamp{1, 5, 100, 10};
-  EXPECT_EQ(guard.check(stamp), bridge::StampOrder::kFirst);
-  EXPECT_EQ(guard.check(stamp), bridge::StampOrder::kDuplicate);
-  EXPECT_EQ(guard.check({1, 6, 110, 10}), bridge::StampOrder::kNext);
-  EXPECT_EQ(guard.check({1, 9, 140, 10}), bridge::StampOrder::kGap);
-  EXPECT_EQ(guard.check({1, 10, 0, 10}), bridge::StampOrder::kZero);
-  EXPECT_EQ(guard.check({1, 10, 150, 10}), bridge::StampOrder::kNext);
-  EXPECT_EQ(guard.check({1, 11, 120, 10}), bridge::StampOrder::kStepBack);
-  EXPECT_EQ(guard.check({1, 2, 70, 10}), bridge::StampOrder::kStepBack);
-  EXPECT_EQ(guard.check({2, 0, 50, 10}), bridge::StampOrder::kNewSession);
+  TimeGuard guard;
+  BlockStamp stamp{1, 5, 100, 10};
+  EXPECT_EQ(guard.check(stamp), StampOrder::kFirst);
+  EXPECT_EQ(guard.check(stamp), StampOrder::kDuplicate);
+  EXPECT_EQ(guard.check({1, 6, 110, 10}), StampOrder::kNext);
+  EXPECT_EQ(guard.check({1, 9, 140, 10}), StampOrder::kGap);
+  EXPECT_EQ(guard.check({1, 10, 0, 10}), StampOrder::kZero);
+  EXPECT_EQ(guard.check({1, 10, 150, 10}), StampOrder::kNext);
+  EXPECT_EQ(guard.check({1, 11, 120, 10}), StampOrder::kStepBack);
+  EXPECT_EQ(guard.check({1, 2, 70, 10}), StampOrder::kStepBack);
+  EXPECT_EQ(guard.check({2, 0, 50, 10}), StampOrder::kNewSession);
   EXPECT_EQ(guard.counts().lost, 2u);
   EXPECT_EQ(guard.counts().accepted, 7u);
   EXPECT_EQ(guard.counts().steps_back, 2u);
 }
 
 }  // namespace
-}  // namespace ring_gyro::test
+}  // namespace cvg

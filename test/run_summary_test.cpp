@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/demodulation/orbit.h"
 
 namespace cvg {
 namespace {

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "ring_gyro/demodulation/orbit.h"
+
 namespace cvg {
 
 RunBlock& RunRecord::at(const BlockStamp& stamp) {

@@ -8,6 +8,7 @@
 
 #include "ring_gyro/calibration/rate_parity.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/signals/calibration_command.h"
 
 namespace cvg {
 namespace {
@@ -80,12 +81,12 @@ void keepSignificantOrders(AngleHarmonics& function, double sigma) {
 CalibrationProcedure::CalibrationProcedure(const CalibrationRunParameters& parameters,
                                            const ExtendedParameters& identification,
                                            const ConverterParameters& converter,
-                                           std::int64_t period_blocks, const Calibration& initial)
+                                           std::int64_t period_blocks, const Corrections& initial)
     : parameters_(parameters),
       identification_(withCalibratedGroups(identification)),
       converter_(converter),
       period_blocks_(static_cast<std::uint64_t>(period_blocks)),
-      calibration_(initial) {
+      corrections_(initial) {
   if (!(parameters.decayRate() > 0.0) || !(parameters.drive_gain > 0.0) ||
       !(parameters.angular_gain > 0.0) || period_blocks <= 0) {
     throw std::invalid_argument(
@@ -200,7 +201,7 @@ std::optional<CalibrationCommand> CalibrationProcedure::process(const OrbitalEle
       found = legs_.front().second_of_pair || stage == Stage::kThreshold;
       legs_.pop_front();
       result_.missing = missingStages();
-      if (found) result_.calibration = calibrationForDevice();
+      if (found) result_.corrections = correctionsForDevice();
       finished_ = legs_.empty();
       leg_begin_ = effective;
       settled_time_ = unusable_time_ = 0.0;
@@ -343,14 +344,14 @@ void CalibrationProcedure::finishIdentification() {
   residual.phase_mismatch = value("phase_mismatch");
   residual.phase_skew = value("phase_skew");
   // What was identified is what the correction in force leaves.
-  calibration_.drive_path =
-      DrivePath::of(residual.matrix() * calibration_.driveCorrection().inverse());
-  calibration_.pickoff_cubic += value("pickoff_cubic");
+  corrections_.drive_path =
+      DrivePath::of(residual.matrix() * corrections_.driveCorrection().inverse());
+  corrections_.pickoff_cubic += value("pickoff_cubic");
   const double told = parameters_.decayRate() / parameters_.drive_gain;
   const double found =
       kPi * result_.natural_frequency / result_.quality_factor / result_.drive_gain;
-  calibration_.gamma1 = value("gamma1") * found / told;
-  calibration_.gamma2 = value("gamma2") * found / told;
+  corrections_.gamma1 = value("gamma1") * found / told;
+  corrections_.gamma2 = value("gamma2") * found / told;
   identifier_.reset();
   estimate_.reset();
 }
@@ -362,8 +363,8 @@ void CalibrationProcedure::finishDriftRound(const RateHarmonics& forward,
   keepEvenOrders(round.measured, parameters_.highest_order);
   round.peak_to_peak = peakToPeak(round.measured);
   round.sigma = coefficientSigma(theta_, converter_.blockDuration()) / std::sqrt(2.0);
-  calibration_.drift += round.measured;
-  round.total = calibration_.drift;
+  corrections_.drift += round.measured;
+  round.total = corrections_.drift;
   result_.drift_rounds.push_back(std::move(round));
   const auto rounds = static_cast<std::int64_t>(result_.drift_rounds.size());
   if (rounds > 1 && rounds == parameters_.drift_rounds) poolDriftRounds();
@@ -380,8 +381,8 @@ void CalibrationProcedure::poolDriftRounds() {
     sum += scaled(round->total, weight);
     weights += weight;
   }
-  calibration_.drift = scaled(sum, 1.0 / weights);
-  keepSignificantOrders(calibration_.drift, std::sqrt(1.0 / weights));
+  corrections_.drift = scaled(sum, 1.0 / weights);
+  keepSignificantOrders(corrections_.drift, std::sqrt(1.0 / weights));
 }
 
 void CalibrationProcedure::finishTable(const RateHarmonics& forward,
@@ -389,7 +390,7 @@ void CalibrationProcedure::finishTable(const RateHarmonics& forward,
   AngleHarmonics odd = oddPart(forward, backward);
   keepEvenOrders(odd, parameters_.highest_order);
   keepSignificantOrders(odd, coefficientSigma(theta_, converter_.blockDuration()) / std::sqrt(2.0));
-  calibration_.angle_map = angleMapOf(odd, static_cast<int>(parameters_.highest_order));
+  corrections_.angle_map = angleMapOf(odd, static_cast<int>(parameters_.highest_order));
   result_.angle_map_measured = true;
   result_.angular_gain = angularGainOf(odd, parameters_.table_rate);
   result_.table_drift = evenPart(forward, backward);
@@ -450,20 +451,20 @@ void CalibrationProcedure::finishThreshold() {
 }
 
 /// With the gains of the device as identified, in place of those that the loops were told.
-Calibration CalibrationProcedure::calibrationForDevice() const {
-  Calibration calibration = calibration_;
+Corrections CalibrationProcedure::correctionsForDevice() const {
+  Corrections corrections = corrections_;
   const double told = parameters_.decayRate() / parameters_.drive_gain;
   const double found =
       kPi * result_.natural_frequency / result_.quality_factor / result_.drive_gain;
-  calibration.gamma1 *= told / found;
-  calibration.gamma2 *= told / found;
-  calibration.drift = scaled(calibration.drift, result_.drive_gain / parameters_.drive_gain);
-  return calibration;
+  corrections.gamma1 *= told / found;
+  corrections.gamma2 *= told / found;
+  corrections.drift = scaled(corrections.drift, result_.drive_gain / parameters_.drive_gain);
+  return corrections;
 }
 
 LoopSettings CalibrationProcedure::settings() const {
   LoopSettings settings;
-  settings.calibration = calibration_;
+  settings.corrections = corrections_;
   settings.end_of_run = finished_ || !failure_.empty();
   if (settings.end_of_run) return settings;
   const Leg& leg = legs_.front();

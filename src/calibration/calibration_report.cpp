@@ -15,7 +15,7 @@ void addMapKnowledge(std::string& text, const CalibrationResult& result) {
   if (result.angle_map_measured) {
     double largest = 0.0;
     for (int i = 0; i < 720; ++i) {
-      const double slope = result.calibration.angle_map.slopeAt(kTwoPi * i / 720);
+      const double slope = result.corrections.angle_map.slopeAt(kTwoPi * i / 720);
       largest = std::max(largest, std::abs(slope));
     }
     text +=
@@ -24,7 +24,7 @@ void addMapKnowledge(std::string& text, const CalibrationResult& result) {
     text += formatted("angular gain k: %.8f\n", result.angular_gain);
     return;
   }
-  const DrivePath& path = result.calibration.drive_path;
+  const DrivePath& path = result.corrections.drive_path;
   text +=
       "angle map: not measured, none applied. Steering alone does not show the gain mismatch "
       "and\n";

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/signals/compensation_decision.h"
 
 namespace cvg {
 namespace {
@@ -35,22 +36,6 @@ void InjectorParameters::declare(ParameterTable& table) {
               "largest |gamma| that is compensated; estimates beyond it are not followed")
       .number("ramp_rate", ramp_rate, "1/s", Range::above(0.0),
               "how fast the compensated gamma moves to its target");
-}
-
-const char* toString(InjectorState state) {
-  switch (state) {
-    case InjectorState::kDisabled:
-      return "disabled";
-    case InjectorState::kWaiting:
-      return "waiting";
-    case InjectorState::kTracking:
-      return "tracking";
-    case InjectorState::kHolding:
-      return "holding";
-    case InjectorState::kLimited:
-      return "limited";
-  }
-  return "unknown";
 }
 
 CompensationInjector::CompensationInjector(const InjectorParameters& parameters,

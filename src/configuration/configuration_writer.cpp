@@ -54,10 +54,10 @@ std::string calibrationYaml(const CalibrationResult& result, DeviceKnowledge dev
   device.quality_factor = result.quality_factor;
   device.drive_gain = result.drive_gain;
   if (result.angle_map_measured) device.angular_gain = result.angular_gain;
-  Calibration calibration = result.calibration;
+  Corrections corrections = result.corrections;
   Sections sections = {{"device", {}}, {"calibration", {}}};
   device.declare(sections[0].table);
-  calibration.declare(sections[1].table);
+  corrections.declare(sections[1].table);
   std::string head =
       "# Written by a calibration run; to be read after the configuration that it was made with.\n";
   if (!result.missing.empty()) {

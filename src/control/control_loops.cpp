@@ -8,6 +8,8 @@
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/vector_kernels.h"
+#include "ring_gyro/demodulation/orbit.h"
+#include "ring_gyro/signals/calibration_command.h"
 
 namespace cvg {
 namespace {
@@ -50,11 +52,11 @@ const ControlParameters& checked(const ControlParameters& p) {
 
 ControlLoops::ControlLoops(const ControlParameters& control,
                            const DemodulationParameters& demodulation,
-                           const ConverterParameters& converter, const Calibration& calibration)
+                           const ConverterParameters& converter, const Corrections& corrections)
     : parameters_(checked(control)),
       demodulation_(demodulation),
       converter_(converter),
-      calibration_(calibration),
+      corrections_(corrections),
       demodulator_(demodulation, converter, control.natural_frequency),
       phase_loop_(gainsOf(control.phase_loop), converter.blockDuration(),
                   -kTwoPi * control.frequency_range, kTwoPi * control.frequency_range),
@@ -77,22 +79,22 @@ ControlLoops::ControlLoops(const ControlParameters& control,
   settings.virtual_rate = control.virtual_rate;
   settings.amplitude_modulation = control.amplitude_modulation;
   settings.amplitude_modulation_frequency = control.amplitude_modulation_frequency;
-  settings.calibration = calibration;
+  settings.corrections = corrections;
   setSettings(settings);
 }
 
 void ControlLoops::restart() {
-  *this = ControlLoops(parameters_, demodulation_, converter_, calibration_);
+  *this = ControlLoops(parameters_, demodulation_, converter_, corrections_);
 }
 
 void ControlLoops::setSettings(const LoopSettings& settings) {
   settings_ = settings;
-  drive_correction_ = settings.calibration.driveCorrection();
+  drive_correction_ = settings.corrections.driveCorrection();
   compensation_ = {};
-  if (settings.calibration.cancel_damping) {
+  if (settings.corrections.cancel_damping) {
     const double per_gamma = 2.0 * decayRate(parameters_) / parameters_.drive_gain;  // [s]
-    compensation_ = {per_gamma * settings.calibration.gamma1,
-                     per_gamma * settings.calibration.gamma2};
+    compensation_ = {per_gamma * settings.corrections.gamma1,
+                     per_gamma * settings.corrections.gamma2};
   }
 }
 
@@ -137,7 +139,7 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   status.converter_saturated = block.saturated_samples > 0;
   if (usable) {
     const Eigen::Vector2cd envelope =
-        settings_.calibration.undistorted(demodulator_.process(block));
+        settings_.corrections.undistorted(demodulator_.process(block));
     if (blocks_to_settle_ > 0) {
       --blocks_to_settle_;
     } else {
@@ -148,8 +150,8 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   output_.elements.group_delay = demodulator_.groupDelay();
   output_.elements.theta_rate = theta_rate_;
   const double theta = output_.elements.orbit.theta;
-  output_.elements.angle = settings_.calibration.outputAngle(theta);
-  output_.elements.angle_rate = theta_rate_ * settings_.calibration.outputSlope(theta);
+  output_.elements.angle = settings_.corrections.outputAngle(theta);
+  output_.elements.angle_rate = theta_rate_ * settings_.corrections.outputSlope(theta);
   recallActedDrive(block, reference);
   status.drive_saturated = output_.gains.status.drive_saturated || block.clipped_drive_samples > 0;
   status.amplitude_locked = amplitude_lock_.locked();
@@ -231,7 +233,7 @@ DriveGains ControlLoops::closeLoops(double theta) {
   }
   was_locked_ = locked;
   if (locked) {
-    gains.virtual_rate = settings_.virtual_rate + settings_.calibration.driftAt(theta);
+    gains.virtual_rate = settings_.virtual_rate + settings_.corrections.driftAt(theta);
     gains.compensation = compensation_;
   }
   return gains;

@@ -7,6 +7,7 @@
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/formatted.h"
+#include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/logs/number_text.h"
 
 namespace cvg {

@@ -9,6 +9,7 @@
 
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/topics.h"
+#include "ring_gyro/signals/calibration_command.h"
 
 namespace ring_gyro::nodes {
 namespace {

@@ -13,6 +13,7 @@
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
+#include "ring_gyro/signals/calibration_command.h"
 
 namespace ring_gyro::nodes {
 namespace {
@@ -47,7 +48,7 @@ CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private
       procedure_(configuration.loop.calibration_run, configuration.loop.extended,
                  configuration.loop.converter,
                  static_cast<std::int64_t>(configuration.loop.periodBlocks()),
-                 configuration.loop.calibration),
+                 configuration.loop.corrections),
       merge_([this](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
         process(elements, gains);
       }),
@@ -167,7 +168,7 @@ void CalibrationNode::finish() {
 
 void CalibrationNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const bridge::PairMerge::Counts& counts = merge_.counts();
+  const cvg::PairMerge::Counts& counts = merge_.counts();
   const std::uint64_t lost = merge_.elementsCounts().lost + merge_.gainsCounts().lost +
                              counts.elements_alone + counts.gains_alone;
   const std::string none_used = use_.noneSinceLast(usable_, unusable_);

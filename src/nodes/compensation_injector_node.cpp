@@ -9,6 +9,7 @@
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
+#include "ring_gyro/signals/compensation_decision.h"
 
 namespace ring_gyro::nodes {
 
@@ -44,12 +45,12 @@ void CompensationInjectorNode::start() {
 
 void CompensationInjectorNode::onEstimate(const ring_gyro::ParameterEstimate& message) {
   bridge::fromMessage(message, estimate_);
-  const bridge::StampOrder order = guard_.check(estimate_.stamp);
-  if (!bridge::isUsable(order)) {
+  const cvg::StampOrder order = guard_.check(estimate_.stamp);
+  if (!cvg::isUsable(order)) {
     refusals_.add(bridge::topics::kParameterEstimate,
-                  order == bridge::StampOrder::kZero        ? "with a stamp of zero"
-                  : order == bridge::StampOrder::kDuplicate ? "that came twice"
-                                                            : "of a session that was left",
+                  order == cvg::StampOrder::kZero        ? "with a stamp of zero"
+                  : order == cvg::StampOrder::kDuplicate ? "that came twice"
+                                                         : "of a session that was left",
                   "block " + std::to_string(message.last_sequence) + " of session " +
                       std::to_string(message.session) + "; is there one identifier only?");
     return;

@@ -10,6 +10,8 @@
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"
+#include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/compensation_decision.h"
 
 namespace ring_gyro::nodes {
 namespace {
@@ -36,7 +38,7 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
       calibration_run_(configuration.loop.control.calibration_run),
       period_blocks_(configuration.loop.periodBlocks()),
       loops_(configuration.loop.control, configuration.loop.demodulation,
-             configuration.loop.converter, configuration.loop.calibration),
+             configuration.loop.converter, configuration.loop.corrections),
       compensation_decisions_(period_blocks_),
       calibration_commands_(period_blocks_),
       block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
@@ -69,7 +71,7 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
 
 template <typename Message, typename Decision>
 ros::Subscriber ControlLoopsNode::subscribeDecisions(const char* topic,
-                                                     DecisionQueue<Decision>& decisions) {
+                                                     cvg::DecisionQueue<Decision>& decisions) {
   return handle_.subscribe<Message>(
       topic, kInputQueue,
       [this, topic, &decisions](const boost::shared_ptr<const Message>& message) {
@@ -123,12 +125,12 @@ bool ControlLoopsNode::isNew(const BlockMessage& message) {
                       std::to_string(message.session) + ": " + particulars);
     return false;
   };
-  const bridge::StampOrder order = guard_.order(stamp);
-  if (order == bridge::StampOrder::kStepBack && parameters_.lockstep) {
+  const cvg::StampOrder order = guard_.order(stamp);
+  if (order == cvg::StampOrder::kStepBack && parameters_.lockstep) {
     // The plant goes on with the answer that it has.
     return refuse("of a block that was answered", "a later one has come before");
   }
-  if (order == bridge::StampOrder::kNewSession && message.sequence > 0 &&
+  if (order == cvg::StampOrder::kNewSession && message.sequence > 0 &&
       message.session != unconfirmed_session_) {
     unconfirmed_session_ = message.session;
     return refuse("of another session",
@@ -136,14 +138,14 @@ bool ControlLoopsNode::isNew(const BlockMessage& message) {
                   "another of its session");
   }
   guard_.check(stamp);
-  if (order == bridge::StampOrder::kZero) {
+  if (order == cvg::StampOrder::kZero) {
     return refuse("with a stamp of zero", "have its publisher send the end of the block");
   }
-  if (order == bridge::StampOrder::kLeftSession) {
+  if (order == cvg::StampOrder::kLeftSession) {
     return refuse("of a session that was left", "stop the plant of the other run");
   }
-  if (bridge::isUsable(order)) unconfirmed_session_.reset();
-  return bridge::isUsable(order);
+  if (cvg::isUsable(order)) unconfirmed_session_.reset();
+  return cvg::isUsable(order);
 }
 
 bool ControlLoopsNode::mustWait(const BlockMessage& message) {
@@ -270,7 +272,7 @@ void ControlLoopsNode::leave() {
 
 void ControlLoopsNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
   using diagnostic_msgs::DiagnosticStatus;
-  const bridge::TimeGuard::Counts& counts = guard_.counts();
+  const cvg::TimeGuard::Counts& counts = guard_.counts();
   if (counts.accepted == 0) {
     status.summary(DiagnosticStatus::OK, "waiting for displacement blocks");
   } else if (!status_.locked()) {

@@ -107,9 +107,9 @@ void EkfIdentifierNode::leave() {
 void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const bridge::IdentificationReport now = identifier_.report();
-  const bridge::PairMerge::Counts& counts = now.pairs;
-  const bridge::TimeGuard::Counts& elements = now.elements;
-  const bridge::TimeGuard::Counts& gains = now.gains;
+  const cvg::PairMerge::Counts& counts = now.pairs;
+  const cvg::TimeGuard::Counts& elements = now.elements;
+  const cvg::TimeGuard::Counts& gains = now.gains;
   const std::uint64_t lost =
       elements.lost + gains.lost + counts.elements_alone + counts.gains_alone;
   const std::string none_used = use_.noneSinceLast(now.usable, now.unusable);

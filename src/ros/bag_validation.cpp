@@ -9,8 +9,8 @@
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/ros/message_checks.h"
-#include "ring_gyro/ros/pair_merge.h"
 #include "ring_gyro/ros/run_ends.h"
+#include "ring_gyro/signals/pair_merge.h"
 
 namespace ring_gyro::bridge {
 namespace {
@@ -82,17 +82,17 @@ class EndCheck {
 class StampCheck {
  public:
   void add(const cvg::BlockStamp& stamp, const ros::Time& bag_time) {
-    const StampOrder order = guard_.check(stamp);
-    if (order == StampOrder::kGap) gaps_.add(stamp);
-    if (order == StampOrder::kStepBack) back_.add(stamp);
-    if (order == StampOrder::kNewSession) sessions_.add(stamp);
-    if (order == StampOrder::kDuplicate) duplicates_.add(stamp);
-    if (order == StampOrder::kLeftSession) left_.add(stamp);
-    if (order == StampOrder::kZero) {
+    const cvg::StampOrder order = guard_.check(stamp);
+    if (order == cvg::StampOrder::kGap) gaps_.add(stamp);
+    if (order == cvg::StampOrder::kStepBack) back_.add(stamp);
+    if (order == cvg::StampOrder::kNewSession) sessions_.add(stamp);
+    if (order == cvg::StampOrder::kDuplicate) duplicates_.add(stamp);
+    if (order == cvg::StampOrder::kLeftSession) left_.add(stamp);
+    if (order == cvg::StampOrder::kZero) {
       zero_.add(stamp);
       return;
     }
-    if (order == StampOrder::kNext && stamp.end_ns - last_.end_ns != stamp.duration_ns) {
+    if (order == cvg::StampOrder::kNext && stamp.end_ns - last_.end_ns != stamp.duration_ns) {
       spacing_.add(stamp);
     }
     if (std::abs(bag_time.toSec() - stamp.end()) > kLargestTimeOffset) offset_.add(stamp);
@@ -118,7 +118,7 @@ class StampCheck {
   std::uint64_t accepted() const { return guard_.counts().accepted; }
 
  private:
-  TimeGuard guard_;
+  cvg::TimeGuard guard_;
   cvg::BlockStamp last_;
   Tally gaps_, back_, sessions_, left_, duplicates_, zero_, spacing_, offset_;
 };
@@ -231,9 +231,8 @@ BagValidation validateBag(const std::string& path, const LoopTopics& topics) {
   NumberCheck gains_numbers;
   MotionCheck motion;
   EndCheck end;
-  PairMerge merge([&motion](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
-    motion.add(elements, gains);
-  });
+  cvg::PairMerge merge([&motion](const cvg::OrbitalElements& elements,
+                                 const cvg::ControlGains& gains) { motion.add(elements, gains); });
   cvg::OrbitalElements elements;
   cvg::ControlGains gains;
   RunEnds ends;

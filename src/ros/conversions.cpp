@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/demodulation/orbital_elements.h"
+#include "ring_gyro/demodulation/orbit.h"
+#include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/compensation_decision.h"
 
 namespace ring_gyro::bridge {
 namespace {
@@ -80,53 +82,53 @@ void harmonicsToMessage(const cvg::AngleHarmonics& function, double& constant,
   sine = function.sine;
 }
 
-void calibrationToMessage(const cvg::Calibration& calibration, ring_gyro::Calibration& message) {
-  message.correct_pickoff = calibration.correct_pickoff;
-  message.correct_phase = calibration.correct_phase;
-  message.correct_drive_gains = calibration.correct_drive_gains;
-  message.correct_phase_mismatch = calibration.correct_phase_mismatch;
-  message.cancel_damping = calibration.cancel_damping;
-  message.cancel_drift = calibration.cancel_drift;
-  message.map_angle = calibration.map_angle;
-  message.pickoff_cubic = calibration.pickoff_cubic;
-  message.drive_phase = calibration.drive_path.phase;
-  message.drive_mismatch = calibration.drive_path.mismatch;
-  message.drive_skew = calibration.drive_path.skew;
-  message.drive_rotation = calibration.drive_path.rotation;
-  message.phase_mismatch = calibration.drive_path.phase_mismatch;
-  message.phase_skew = calibration.drive_path.phase_skew;
-  message.rotation_phase = calibration.drive_path.rotation_phase;
-  message.gamma_1 = calibration.gamma1;
-  message.gamma_2 = calibration.gamma2;
-  harmonicsToMessage(calibration.drift, message.drift_constant, message.drift_cosine,
+void correctionsToMessage(const cvg::Corrections& corrections, ring_gyro::Calibration& message) {
+  message.correct_pickoff = corrections.correct_pickoff;
+  message.correct_phase = corrections.correct_phase;
+  message.correct_drive_gains = corrections.correct_drive_gains;
+  message.correct_phase_mismatch = corrections.correct_phase_mismatch;
+  message.cancel_damping = corrections.cancel_damping;
+  message.cancel_drift = corrections.cancel_drift;
+  message.map_angle = corrections.map_angle;
+  message.pickoff_cubic = corrections.pickoff_cubic;
+  message.drive_phase = corrections.drive_path.phase;
+  message.drive_mismatch = corrections.drive_path.mismatch;
+  message.drive_skew = corrections.drive_path.skew;
+  message.drive_rotation = corrections.drive_path.rotation;
+  message.phase_mismatch = corrections.drive_path.phase_mismatch;
+  message.phase_skew = corrections.drive_path.phase_skew;
+  message.rotation_phase = corrections.drive_path.rotation_phase;
+  message.gamma_1 = corrections.gamma1;
+  message.gamma_2 = corrections.gamma2;
+  harmonicsToMessage(corrections.drift, message.drift_constant, message.drift_cosine,
                      message.drift_sine);
-  harmonicsToMessage(calibration.angle_map, message.angle_map_constant, message.angle_map_cosine,
+  harmonicsToMessage(corrections.angle_map, message.angle_map_constant, message.angle_map_cosine,
                      message.angle_map_sine);
 }
 
-cvg::Calibration calibrationFromMessage(const ring_gyro::Calibration& message) {
-  cvg::Calibration calibration;
-  calibration.correct_pickoff = message.correct_pickoff != 0;
-  calibration.correct_phase = message.correct_phase != 0;
-  calibration.correct_drive_gains = message.correct_drive_gains != 0;
-  calibration.correct_phase_mismatch = message.correct_phase_mismatch != 0;
-  calibration.cancel_damping = message.cancel_damping != 0;
-  calibration.cancel_drift = message.cancel_drift != 0;
-  calibration.map_angle = message.map_angle != 0;
-  calibration.pickoff_cubic = message.pickoff_cubic;
-  calibration.drive_path.phase = message.drive_phase;
-  calibration.drive_path.mismatch = message.drive_mismatch;
-  calibration.drive_path.skew = message.drive_skew;
-  calibration.drive_path.rotation = message.drive_rotation;
-  calibration.drive_path.phase_mismatch = message.phase_mismatch;
-  calibration.drive_path.phase_skew = message.phase_skew;
-  calibration.drive_path.rotation_phase = message.rotation_phase;
-  calibration.gamma1 = message.gamma_1;
-  calibration.gamma2 = message.gamma_2;
-  calibration.drift = {message.drift_constant, message.drift_cosine, message.drift_sine};
-  calibration.angle_map = {message.angle_map_constant, message.angle_map_cosine,
+cvg::Corrections correctionsFromMessage(const ring_gyro::Calibration& message) {
+  cvg::Corrections corrections;
+  corrections.correct_pickoff = message.correct_pickoff != 0;
+  corrections.correct_phase = message.correct_phase != 0;
+  corrections.correct_drive_gains = message.correct_drive_gains != 0;
+  corrections.correct_phase_mismatch = message.correct_phase_mismatch != 0;
+  corrections.cancel_damping = message.cancel_damping != 0;
+  corrections.cancel_drift = message.cancel_drift != 0;
+  corrections.map_angle = message.map_angle != 0;
+  corrections.pickoff_cubic = message.pickoff_cubic;
+  corrections.drive_path.phase = message.drive_phase;
+  corrections.drive_path.mismatch = message.drive_mismatch;
+  corrections.drive_path.skew = message.drive_skew;
+  corrections.drive_path.rotation = message.drive_rotation;
+  corrections.drive_path.phase_mismatch = message.phase_mismatch;
+  corrections.drive_path.phase_skew = message.phase_skew;
+  corrections.drive_path.rotation_phase = message.rotation_phase;
+  corrections.gamma1 = message.gamma_1;
+  corrections.gamma2 = message.gamma_2;
+  corrections.drift = {message.drift_constant, message.drift_cosine, message.drift_sine};
+  corrections.angle_map = {message.angle_map_constant, message.angle_map_cosine,
                            message.angle_map_sine};
-  return calibration;
+  return corrections;
 }
 
 }  // namespace
@@ -327,7 +329,7 @@ void toMessage(const cvg::CalibrationCommand& command, const cvg::BlockStamp& da
   message.amplitude_modulation = command.settings.amplitude_modulation;
   message.amplitude_modulation_frequency = command.settings.amplitude_modulation_frequency;
   message.end_of_run = command.settings.end_of_run;
-  calibrationToMessage(command.settings.calibration, message.calibration);
+  correctionsToMessage(command.settings.corrections, message.calibration);
   message.leg = command.leg;
   message.time_left = command.time_left;
   message.finished = command.finished;
@@ -342,7 +344,7 @@ void fromMessage(const ring_gyro::CalibrationCommand& message, cvg::CalibrationC
   command.settings.amplitude_modulation = message.amplitude_modulation;
   command.settings.amplitude_modulation_frequency = message.amplitude_modulation_frequency;
   command.settings.end_of_run = message.end_of_run != 0;
-  command.settings.calibration = calibrationFromMessage(message.calibration);
+  command.settings.corrections = correctionsFromMessage(message.calibration);
   command.leg = message.leg;
   command.time_left = message.time_left;
   command.finished = message.finished != 0;

@@ -317,8 +317,8 @@ std::vector<std::string> faultsOf(const IdentificationReport& report,
   const auto add = [&faults](std::uint64_t count, const std::string& what) {
     if (count > 0) faults.push_back(number(count) + " " + what);
   };
-  const TimeGuard::Counts& elements = report.elements;
-  const TimeGuard::Counts& gains = report.gains;
+  const cvg::TimeGuard::Counts& elements = report.elements;
+  const cvg::TimeGuard::Counts& gains = report.gains;
   add(report.not_delivered,
       "messages of the bag were not delivered by its replay: play it with a larger --queue, or a "
       "lower rate");
@@ -335,7 +335,7 @@ std::vector<std::string> faultsOf(const IdentificationReport& report,
       "messages of a session that had been left, left out: two plants at once?");
   add(report.pairs.overdue,
       cvg::formatted("of those alone because the other topic was silent for %zu blocks",
-                     PairMerge::kMostWaiting));
+                     cvg::PairMerge::kMostWaiting));
   if (!report.first_refused.empty()) faults.push_back("refused " + report.first_refused);
   add(report.unusable.not_finite, "blocks with numbers that are not finite, left out");
   add(report.unusable.no_amplitude, "blocks with a not above |b|, left out");

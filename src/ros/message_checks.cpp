@@ -7,6 +7,7 @@
 
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/ros/conversions.h"
+#include "ring_gyro/signals/calibration_command.h"
 
 namespace ring_gyro::bridge {
 namespace {

@@ -8,7 +8,7 @@
 #include "ring_gyro/ros/bag_signals.h"
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/messages.h"
-#include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/signals/pair_merge.h"
 
 namespace ring_gyro::bridge {
 
@@ -31,7 +31,7 @@ RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTop
     }
     run.truth = truth;
   };
-  PairMerge merge([&](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
+  cvg::PairMerge merge([&](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
     run.pairs.push_back({elements, gains});
   });
   cvg::OrbitalElements elements;

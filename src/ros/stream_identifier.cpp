@@ -36,16 +36,16 @@ MessageFault StreamIdentifier::add(const ring_gyro::ControlGains& message) {
 }
 
 void StreamIdentifier::flush() {
-  const PairMerge::Counts before = merge_.counts();
+  const cvg::PairMerge::Counts before = merge_.counts();
   merge_.flush();
-  const PairMerge::Counts& after = merge_.counts();
+  const cvg::PairMerge::Counts& after = merge_.counts();
   report_.alone_at_end += after.elements_alone - before.elements_alone;
   report_.alone_at_end += after.gains_alone - before.gains_alone;
 }
 
 void StreamIdentifier::process(const cvg::OrbitalElements& elements,
                                const cvg::ControlGains& gains) {
-  const PairMerge::Counts& counts = merge_.counts();
+  const cvg::PairMerge::Counts& counts = merge_.counts();
   if (counts.pairs == 1) report_.alone_at_start = counts.elements_alone + counts.gains_alone;
   report_.last = elements.stamp;
   if (!started_ && elements.stamp.sequence < start_sequence_) {

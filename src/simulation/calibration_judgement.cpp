@@ -10,6 +10,7 @@
 #include "ring_gyro/analysis/rate_harmonics.h"
 #include "ring_gyro/calibration/rate_parity.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
 namespace cvg {

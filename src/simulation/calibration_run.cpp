@@ -7,10 +7,10 @@ CalibrationRun::CalibrationRun(const LoopConfiguration& configuration)
              static_cast<std::uint64_t>(configuration.run.seed),
              configuration.run.sessionIdentifier(), configuration.run.startNanoseconds()),
       loops_(configuration.control, configuration.demodulation, configuration.converter,
-             configuration.calibration),
+             configuration.corrections),
       procedure_(configuration.calibration_run, configuration.extended, configuration.converter,
                  static_cast<std::int64_t>(configuration.periodBlocks()),
-                 configuration.calibration),
+                 configuration.corrections),
       start_ns_(configuration.run.startNanoseconds()) {}
 
 CalibrationRun::Step CalibrationRun::step() {

@@ -1,5 +1,7 @@
 #include "ring_gyro/simulation/closed_loop.h"
 
+#include "ring_gyro/signals/compensation_decision.h"
+
 namespace cvg {
 
 ClosedLoop::ClosedLoop(const LoopConfiguration& configuration)
@@ -7,7 +9,7 @@ ClosedLoop::ClosedLoop(const LoopConfiguration& configuration)
              static_cast<std::uint64_t>(configuration.run.seed),
              configuration.run.sessionIdentifier(), configuration.run.startNanoseconds()),
       loops_(configuration.control, configuration.demodulation, configuration.converter,
-             configuration.calibration),
+             configuration.corrections),
       identifier_(configuration.identification, configuration.converter),
       injector_(configuration.compensation, identifier_.periodBlocks()),
       compensation_(configuration.control.compensation),

@@ -78,7 +78,7 @@ Sections LoopConfiguration::sections() {
   result.push_back(section("rotation", plant.rotation));
   result.push_back(section("demodulation", demodulation));
   result.push_back(section("control", control));
-  result.push_back(section("calibration", calibration));
+  result.push_back(section("calibration", corrections));
   result.push_back(section("identification", identification));
   result.push_back(section("extended", extended));
   result.push_back(section("compensation", compensation));

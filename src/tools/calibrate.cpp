@@ -59,7 +59,7 @@ nlohmann::json jsonOf(const cvg::CalibrationResult& result) {
                          {"drive_gain", result.drive_gain},
                          {"angular_gain", result.angular_gain},
                          {"angle_map_measured", result.angle_map_measured},
-                         {"angle_map", tools::jsonOf(result.calibration.angle_map)}};
+                         {"angle_map", tools::jsonOf(result.corrections.angle_map)}};
   for (const cvg::IdentifiedParameter& parameter : result.parameters) {
     json["parameters"][parameter.name] = {{"value", parameter.value}, {"sigma", parameter.sigma}};
   }

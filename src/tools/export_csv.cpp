@@ -16,7 +16,7 @@
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/logs/log_table.h"
 #include "ring_gyro/ros/bag_signals.h"
-#include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/signals/pair_merge.h"
 
 namespace ring_gyro::tools {
 namespace {
@@ -78,18 +78,17 @@ void exportBag(const Arguments& arguments) {
   std::string row;
   std::optional<std::uint32_t> session;
   std::uint64_t rows = 0;
-  bridge::PairMerge merge(
-      [&](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
-        // A table has one time that grows: that of the first session.
-        if (session.value_or(elements.stamp.session) != elements.stamp.session) {
-          throw std::runtime_error("holds several sessions; split it with rosbag filter");
-        }
-        session = elements.stamp.session;
-        row.clear();
-        cvg::appendLogRow(elements, gains, row);
-        out.write(row);
-        ++rows;
-      });
+  cvg::PairMerge merge([&](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
+    // A table has one time that grows: that of the first session.
+    if (session.value_or(elements.stamp.session) != elements.stamp.session) {
+      throw std::runtime_error("holds several sessions; split it with rosbag filter");
+    }
+    session = elements.stamp.session;
+    row.clear();
+    cvg::appendLogRow(elements, gains, row);
+    out.write(row);
+    ++rows;
+  });
   bridge::RefusedMessages refused;
   double messages = 0.0;
   const auto add = [&](const auto& signal) {
@@ -109,7 +108,7 @@ void exportBag(const Arguments& arguments) {
   }
   out.finish();
   if (refused.count > 0) std::fprintf(stderr, "export_csv: %s\n", refused.text().c_str());
-  const bridge::PairMerge::Counts& counts = merge.counts();
+  const cvg::PairMerge::Counts& counts = merge.counts();
   std::printf("exported   %lu rows to %s\n", static_cast<unsigned long>(rows),
               arguments.log_file.c_str());
   if (counts.elements_alone + counts.gains_alone > 0) {

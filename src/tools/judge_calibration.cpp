@@ -36,19 +36,19 @@ struct Case {
 std::vector<Case> casesOf(const cvg::LoopConfiguration& whole, bool each_switch) {
   std::vector<Case> cases = {{"calibrated", whole}};
   if (!each_switch) return cases;
-  const std::pair<const char*, bool cvg::Calibration::*> switches[] = {
-      {"correct_pickoff", &cvg::Calibration::correct_pickoff},
-      {"correct_phase", &cvg::Calibration::correct_phase},
-      {"correct_drive_gains", &cvg::Calibration::correct_drive_gains},
-      {"correct_phase_mismatch", &cvg::Calibration::correct_phase_mismatch},
-      {"cancel_damping", &cvg::Calibration::cancel_damping},
-      {"cancel_drift", &cvg::Calibration::cancel_drift},
-      {"map_angle", &cvg::Calibration::map_angle}};
+  const std::pair<const char*, bool cvg::Corrections::*> switches[] = {
+      {"correct_pickoff", &cvg::Corrections::correct_pickoff},
+      {"correct_phase", &cvg::Corrections::correct_phase},
+      {"correct_drive_gains", &cvg::Corrections::correct_drive_gains},
+      {"correct_phase_mismatch", &cvg::Corrections::correct_phase_mismatch},
+      {"cancel_damping", &cvg::Corrections::cancel_damping},
+      {"cancel_drift", &cvg::Corrections::cancel_drift},
+      {"map_angle", &cvg::Corrections::map_angle}};
   cvg::LoopConfiguration none = whole;
   for (const auto& [name, member] : switches) {
     cvg::LoopConfiguration without = whole;
-    without.calibration.*member = false;
-    none.calibration.*member = false;
+    without.corrections.*member = false;
+    none.corrections.*member = false;
     cases.push_back({std::string("without ") + name, without});
   }
   cases.push_back({"without all of them", none});

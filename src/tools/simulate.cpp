@@ -19,6 +19,7 @@
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/identification/judge/consistency.h"
 #include "ring_gyro/ros/loop_recorder.h"
+#include "ring_gyro/signals/compensation_decision.h"
 #include "ring_gyro/simulation/closed_loop.h"
 
 namespace ring_gyro::tools {

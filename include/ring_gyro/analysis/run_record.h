@@ -6,10 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "ring_gyro/control/control_gains.h"
-#include "ring_gyro/demodulation/orbital_elements.h"
-#include "ring_gyro/identification/parameter_estimate.h"
 #include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/loop_status.h"
+#include "ring_gyro/signals/orbital_elements.h"
+#include "ring_gyro/signals/parameter_estimate.h"
 
 namespace cvg {
 

@@ -10,23 +10,12 @@
 #include "ring_gyro/calibration/calibration_parameters.h"
 #include "ring_gyro/calibration/calibration_result.h"
 #include "ring_gyro/common/converter_parameters.h"
-#include "ring_gyro/control/control_gains.h"
-#include "ring_gyro/control/loop_settings.h"
 #include "ring_gyro/identification/filter/extended_identifier.h"
+#include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
-
-/// What a calibration run asks of the loops, and how far it is.
-struct CalibrationCommand {
-  std::uint32_t session = 0;
-  std::uint64_t effective_sequence = 0;  ///< first block whose drive it applies to
-  LoopSettings settings;
-  std::string leg;         ///< what is being done, for people
-  double time_left = 0.0;  ///< as planned now [s]
-  bool found = false;      ///< the result holds more than at the command before
-  bool finished = false;   ///< the result is complete
-  std::string failure;     ///< why the run cannot go on; empty: it can
-};
 
 /// The experiment that calibrates a gyroscope, by itself: blocks in, settings of the loops out.
 ///
@@ -46,7 +35,7 @@ class CalibrationProcedure {
   CalibrationProcedure(const CalibrationRunParameters& parameters,
                        const ExtendedParameters& identification,
                        const ConverterParameters& converter, std::int64_t period_blocks,
-                       const Calibration& initial);
+                       const Corrections& initial);
 
   /// The next block; a command at each period's end.
   std::optional<CalibrationCommand> process(const OrbitalElements& elements,
@@ -96,7 +85,7 @@ class CalibrationProcedure {
   void aimAtWorstAngle();
   void finishThreshold();
   double identified(const std::string& name) const;
-  Calibration calibrationForDevice() const;
+  Corrections correctionsForDevice() const;
   LoopSettings settings() const;
   double timeLeft() const;
   std::vector<std::string> missingStages() const;
@@ -116,7 +105,7 @@ class CalibrationProcedure {
   std::vector<AngleSample> output_;  // output angle in the leg, settled
   bool passed_worst_angle_ = false;
   std::optional<RateHarmonics> forward_;  // of the first leg of a pair
-  Calibration calibration_;               // in force, with the gains that the loops were told
+  Corrections corrections_;               // in force, with the gains that the loops were told
   std::string failure_;
   bool finished_ = false;
   CalibrationResult result_;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ring_gyro/common/angle_harmonics.h"
-#include "ring_gyro/control/calibration.h"
+#include "ring_gyro/signals/corrections.h"
 
 namespace cvg {
 
@@ -50,7 +50,7 @@ struct ThresholdTest {
 
 /// Everything that a calibration run found.
 struct CalibrationResult {
-  Calibration calibration;         ///< with the gains of `device`
+  Corrections corrections;         ///< with the gains of `device`
   double natural_frequency = 0.0;  ///< identified [Hz]
   double quality_factor = 0.0;     ///< identified
   double drive_gain = 0.0;         ///< identified ks [1/s^2]

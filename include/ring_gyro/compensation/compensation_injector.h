@@ -4,8 +4,8 @@
 #include <string>
 
 #include "ring_gyro/common/parameter_table.h"
-#include "ring_gyro/control/control_gains.h"
-#include "ring_gyro/identification/parameter_estimate.h"
+#include "ring_gyro/signals/compensation_decision.h"
+#include "ring_gyro/signals/parameter_estimate.h"
 
 namespace cvg {
 
@@ -19,28 +19,6 @@ struct InjectorParameters {
   double ramp_rate = 0.05;          ///< of gamma towards its target [1/s]
 
   void declare(ParameterTable& table);
-};
-
-/// What the injector is doing, for people and for the latched status.
-enum class InjectorState : std::uint8_t {
-  kDisabled = 0,  ///< switched off: ramping to or at zero
-  kWaiting = 1,   ///< estimate not good enough yet
-  kTracking = 2,  ///< following the estimate
-  kHolding = 3,   ///< frozen by request
-  kLimited = 4,   ///< the estimate is beyond gamma_limit: not followed
-};
-
-const char* toString(InjectorState state);
-
-/// A decision, valid from the drive of block `effective_sequence` until the next one.
-struct CompensationDecision {
-  std::uint32_t session = 0;
-  std::uint64_t effective_sequence = 0;
-  std::uint64_t data_sequence = 0;  ///< last block of the estimate it came from
-  DampingCompensation gains;
-  double gamma1 = 0.0;  ///< that the gains cancel, given the estimate of ks
-  double gamma2 = 0.0;
-  InjectorState state = InjectorState::kWaiting;
 };
 
 /// Decides what compensation to apply: one decision per estimate, a period ahead, so that it does

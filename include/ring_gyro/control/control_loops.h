@@ -5,18 +5,19 @@
 #include <cstdint>
 
 #include "ring_gyro/common/converter_parameters.h"
-#include "ring_gyro/control/calibration.h"
-#include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/control/control_parameters.h"
 #include "ring_gyro/control/drive_synthesis.h"
 #include "ring_gyro/control/lock_detector.h"
 #include "ring_gyro/control/loop_filter.h"
-#include "ring_gyro/control/loop_settings.h"
 #include "ring_gyro/control/pattern_feedforward.h"
 #include "ring_gyro/demodulation/demodulator.h"
-#include "ring_gyro/demodulation/orbital_elements.h"
-#include "ring_gyro/resonator/displacement_block.h"
-#include "ring_gyro/resonator/drive_command.h"
+#include "ring_gyro/demodulation/orbit.h"
+#include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/corrections.h"
+#include "ring_gyro/signals/displacement_block.h"
+#include "ring_gyro/signals/drive_command.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 
@@ -41,7 +42,7 @@ class ControlLoops {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
   ControlLoops(const ControlParameters& control, const DemodulationParameters& demodulation,
-               const ConverterParameters& converter, const Calibration& calibration = {});
+               const ConverterParameters& converter, const Corrections& corrections = {});
 
   /// One block in, everything out. The reference is good until the next call.
   const LoopOutput& process(const DisplacementBlock& block);
@@ -84,7 +85,7 @@ class ControlLoops {
   ControlParameters parameters_;
   DemodulationParameters demodulation_;
   ConverterParameters converter_;
-  Calibration calibration_;  // that it was made with
+  Corrections corrections_;  // that it was made with
   Demodulator demodulator_;
   AngleUnwrapper unwrapper_;
   LoopFilter phase_loop_;
@@ -106,7 +107,7 @@ class ControlLoops {
   bool was_locked_ = false;
   double frequency_;
   LoopSettings settings_;
-  Eigen::Matrix2cd drive_correction_;  // of settings_.calibration
+  Eigen::Matrix2cd drive_correction_;  // of settings_.corrections
   DampingCompensation compensation_;
   std::array<ActedDrive, kDriveMemory> drives_;
   LoopOutput output_;

@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-#include "ring_gyro/control/control_gains.h"
-#include "ring_gyro/demodulation/orbital_elements.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 

@@ -9,7 +9,7 @@
 #include "ring_gyro/common/aligned_vector.h"
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
-#include "ring_gyro/resonator/displacement_block.h"
+#include "ring_gyro/signals/displacement_block.h"
 
 namespace cvg {
 

@@ -2,9 +2,10 @@
 
 #include <optional>
 
-#include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/logs/column_map.h"
 #include "ring_gyro/logs/log_rows.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 

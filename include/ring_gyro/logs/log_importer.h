@@ -7,13 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/demodulation/demodulator.h"
 #include "ring_gyro/logs/column_map.h"
 #include "ring_gyro/logs/import_options.h"
 #include "ring_gyro/logs/lab_drive.h"
 #include "ring_gyro/logs/log_rows.h"
 #include "ring_gyro/logs/row_clock.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 

@@ -18,7 +18,8 @@
 #include "ring_gyro/nodes/use_watch.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"
-#include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/pair_merge.h"
 
 namespace ring_gyro::nodes {
 
@@ -54,7 +55,7 @@ class CalibrationNode {
   cvg::DeviceKnowledge device_;
   NodeHost host_;
   cvg::CalibrationProcedure procedure_;
-  bridge::PairMerge merge_;
+  cvg::PairMerge merge_;
   cvg::OrbitalElements elements_;
   cvg::ControlGains gains_;
   std::int64_t block_duration_ns_;

@@ -19,7 +19,8 @@
 #include "ring_gyro/nodes/start_gate.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"
-#include "ring_gyro/ros/time_guard.h"
+#include "ring_gyro/signals/compensation_decision.h"
+#include "ring_gyro/signals/time_guard.h"
 
 namespace ring_gyro::nodes {
 
@@ -45,7 +46,7 @@ class CompensationInjectorNode {
   std::uint64_t period_blocks_;
   std::int64_t block_duration_ns_;
   cvg::CompensationInjector injector_;
-  bridge::TimeGuard guard_;
+  cvg::TimeGuard guard_;
   Refusals refusals_;
   cvg::ParameterEstimate estimate_;
   std::optional<cvg::CompensationDecision> decision_;

@@ -11,10 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "ring_gyro/calibration/calibration_procedure.h"
-#include "ring_gyro/compensation/compensation_injector.h"
 #include "ring_gyro/control/control_loops.h"
-#include "ring_gyro/nodes/decision_queue.h"
 #include "ring_gyro/nodes/departure.h"
 #include "ring_gyro/nodes/node_diagnostics.h"
 #include "ring_gyro/nodes/node_host.h"
@@ -25,7 +22,10 @@
 #include "ring_gyro/ros/message_pool.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"
-#include "ring_gyro/ros/time_guard.h"
+#include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/compensation_decision.h"
+#include "ring_gyro/signals/decision_queue.h"
+#include "ring_gyro/signals/time_guard.h"
 
 namespace ring_gyro::nodes {
 
@@ -50,7 +50,7 @@ class ControlLoopsNode {
   void start();
   void onDisplacement(const BlockMessage::ConstPtr& message);
   template <typename Message, typename Decision>
-  ros::Subscriber subscribeDecisions(const char* topic, DecisionQueue<Decision>& decisions);
+  ros::Subscriber subscribeDecisions(const char* topic, cvg::DecisionQueue<Decision>& decisions);
   void processWaiting();
   bool mustWait(const BlockMessage& message);
   bool mustWaitForDecision(const BlockMessage& message) const;
@@ -73,11 +73,11 @@ class ControlLoopsNode {
   std::uint64_t period_blocks_;  // of the identifier
   cvg::ControlLoops loops_;
   cvg::DisplacementBlock block_;
-  bridge::TimeGuard guard_;
+  cvg::TimeGuard guard_;
   std::optional<std::uint32_t> unconfirmed_session_;  // of which one block has come, not its first
   BlockMessage::ConstPtr waiting_;  // for the decision that its answer must use, or for readers
-  DecisionQueue<cvg::CompensationDecision> compensation_decisions_;
-  DecisionQueue<cvg::CalibrationCommand> calibration_commands_;
+  cvg::DecisionQueue<cvg::CompensationDecision> compensation_decisions_;
+  cvg::DecisionQueue<cvg::CalibrationCommand> calibration_commands_;
   std::int64_t block_duration_ns_;
   cvg::LoopStatus status_;
   double amplitude_ = 0.0;

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/signals/pair_merge.h"
 
 namespace ring_gyro::nodes {
 
@@ -13,8 +13,6 @@ namespace ring_gyro::nodes {
 /// Of a topic on its way to each of its readers: ten seconds of 1 ms.
 constexpr std::uint32_t kOutputQueue = 10000;
 /// Of a topic that a node reads: more than the socket holds, which is read in one go.
-constexpr auto kInputQueue = static_cast<std::uint32_t>(bridge::PairMerge::kMostWaiting);
-/// Decisions that wait for their block: one is due each period, one period ahead.
-constexpr std::size_t kMostDecisions = 16;
+constexpr auto kInputQueue = static_cast<std::uint32_t>(cvg::PairMerge::kMostWaiting);
 
 }  // namespace ring_gyro::nodes

@@ -7,11 +7,11 @@
 
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
-#include "ring_gyro/resonator/displacement_block.h"
-#include "ring_gyro/resonator/drive_command.h"
 #include "ring_gyro/resonator/electronics_parameters.h"
 #include "ring_gyro/resonator/resonator_parameters.h"
 #include "ring_gyro/resonator/rotation_profile.h"
+#include "ring_gyro/signals/displacement_block.h"
+#include "ring_gyro/signals/drive_command.h"
 
 namespace cvg {
 

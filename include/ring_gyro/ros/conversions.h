@@ -6,14 +6,15 @@
 #include <cstdint>
 #include <string>
 
-#include "ring_gyro/calibration/calibration_procedure.h"
-#include "ring_gyro/compensation/compensation_injector.h"
-#include "ring_gyro/control/control_gains.h"
-#include "ring_gyro/identification/parameter_estimate.h"
-#include "ring_gyro/resonator/displacement_block.h"
-#include "ring_gyro/resonator/drive_command.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 #include "ring_gyro/ros/messages.h"
+#include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/compensation_decision.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/displacement_block.h"
+#include "ring_gyro/signals/drive_command.h"
+#include "ring_gyro/signals/orbital_elements.h"
+#include "ring_gyro/signals/parameter_estimate.h"
 
 namespace ring_gyro::bridge {
 

@@ -7,9 +7,9 @@
 
 #include "ring_gyro/identification/filter/block_use.h"
 #include "ring_gyro/identification/judge/consistency.h"
-#include "ring_gyro/identification/parameter_estimate.h"
-#include "ring_gyro/ros/pair_merge.h"
-#include "ring_gyro/ros/time_guard.h"
+#include "ring_gyro/signals/pair_merge.h"
+#include "ring_gyro/signals/parameter_estimate.h"
+#include "ring_gyro/signals/time_guard.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace ring_gyro::bridge {
@@ -55,9 +55,9 @@ struct IdentificationReport {
   cvg::NisTally nis;  ///< of the last start; converged: since it first said so
   std::uint64_t filter_restarts = 0;
 
-  PairMerge::Counts pairs;
-  TimeGuard::Counts elements;
-  TimeGuard::Counts gains;
+  cvg::PairMerge::Counts pairs;
+  cvg::TimeGuard::Counts elements;
+  cvg::TimeGuard::Counts gains;
   std::uint64_t alone_at_start = 0;  ///< part of pairs.*_alone: cut off where recording began
   std::uint64_t alone_at_end = 0;    ///< and where it ended
   std::uint64_t before_start = 0;    ///< pairs before the sequence that was asked for

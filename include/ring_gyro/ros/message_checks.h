@@ -2,8 +2,11 @@
 
 #include <string>
 
-#include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/ros/messages.h"
+#include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/loop_status.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace ring_gyro::bridge {
 
@@ -20,7 +23,7 @@ struct MessageFault {
 // The border between messages and the core: every number of every message is looked at here, before
 // anything is made of it. No fault: every number is finite and possible, and no square of it
 // overflows. What is left to others: stamps that are zero, that repeat or that step back, and
-// sessions (TimeGuard); samples, whose blocks the loops coast over (ControlLoops). A message
+// sessions (cvg::TimeGuard); samples, whose blocks the loops coast over (ControlLoops). A message
 // without a fault costs a sum of its fields.
 
 MessageFault faultOf(const ring_gyro::DisplacementBlock& message);

@@ -12,3 +12,4 @@
 #include "ring_gyro/OrbitalElements.h"
 #include "ring_gyro/ParameterEstimate.h"
 #include "ring_gyro/PlantTruth.h"
+#include "ring_gyro/signals/calibration_command.h"

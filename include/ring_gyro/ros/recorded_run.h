@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 #include "ring_gyro/ros/loop_bag.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace ring_gyro::bridge {
 
@@ -24,9 +25,9 @@ struct RecordedRun {
   std::vector<std::string> damage;       ///< what could not be read, one line each
 };
 
-/// Reads one run, which may be split over several bags: pairs by PairMerge, the truth where a bag
-/// has it. `start` and `duration` (0: to the end) in bag time from the begin [s].
-/// Throws BagError.
+/// Reads one run, which may be split over several bags: pairs by cvg::PairMerge, the truth where a
+/// bag has it. `start` and `duration` (0: to the end) in bag time from the begin [s]. Throws
+/// BagError.
 RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTopics& topics = {},
                             double start = 0.0, double duration = 0.0);
 

@@ -8,7 +8,7 @@
 #include "ring_gyro/ros/identification_report.h"
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/messages.h"
-#include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/signals/pair_merge.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace ring_gyro::bridge {
@@ -50,7 +50,7 @@ class StreamIdentifier {
   void account(const cvg::ParameterEstimate& estimate);
 
   cvg::Identifier identifier_;
-  PairMerge merge_;
+  cvg::PairMerge merge_;
   Sink sink_;
   std::uint64_t start_sequence_;
   std::int64_t block_duration_ns_;

@@ -7,6 +7,7 @@
 #include "ring_gyro/calibration/calibration_procedure.h"
 #include "ring_gyro/control/control_loops.h"
 #include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/signals/calibration_command.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace cvg {
@@ -15,7 +16,7 @@ namespace cvg {
 /// lockstep graph exchanges its messages, so that the results are the same.
 class CalibrationRun {
  public:
-  /// `configuration.calibration` is in force from the start. Throws std::invalid_argument.
+  /// `configuration.corrections` is in force from the start. Throws std::invalid_argument.
   explicit CalibrationRun(const LoopConfiguration& configuration);
 
   struct Step {

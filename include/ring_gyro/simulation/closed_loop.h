@@ -6,6 +6,7 @@
 #include "ring_gyro/control/control_loops.h"
 #include "ring_gyro/identification/filter/identifier.h"
 #include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/signals/compensation_decision.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace cvg {

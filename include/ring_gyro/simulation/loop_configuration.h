@@ -6,12 +6,12 @@
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/compensation/compensation_injector.h"
-#include "ring_gyro/control/calibration.h"
 #include "ring_gyro/control/control_parameters.h"
 #include "ring_gyro/demodulation/demodulator.h"
 #include "ring_gyro/identification/filter/identifier.h"
 #include "ring_gyro/identification/model/extended_parameters.h"
 #include "ring_gyro/resonator/plant_simulator.h"
+#include "ring_gyro/signals/corrections.h"
 
 namespace cvg {
 
@@ -51,7 +51,7 @@ struct LoopConfiguration {
   PlantParameters plant;
   DemodulationParameters demodulation;
   ControlParameters control;
-  Calibration calibration;
+  Corrections corrections;
   IdentificationParameters identification;
   ExtendedParameters extended;
   InjectorParameters compensation;

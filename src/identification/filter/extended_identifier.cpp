@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/identification/filter/extended_prior.h"
 
 namespace cvg {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/identification/filter/extended_prior.h"
 
 namespace cvg {

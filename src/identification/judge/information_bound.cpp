@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "ring_gyro/demodulation/orbit.h"
+
 namespace cvg {
 namespace {
 

@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <cstring>
 
-#include "ring_gyro/common/block_stamp.h"
 #include "ring_gyro/common/lanes.h"
-#include "ring_gyro/control/control_gains.h"
-#include "ring_gyro/demodulation/orbital_elements.h"
 #include "ring_gyro/identification/filter/block_use.h"
 #include "ring_gyro/identification/model/averaged_step.h"
 #include "ring_gyro/identification/model/envelope_input.h"
+#include "ring_gyro/signals/block_stamp.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 

@@ -2,7 +2,8 @@
 
 #include <cstdint>
 
-#include "ring_gyro/control/control_gains.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 

@@ -6,7 +6,7 @@
 #include "ring_gyro/common/pairs.h"
 #include "ring_gyro/common/unrolled.h"
 #include "ring_gyro/identification/model/parameter_lanes.h"
-#include "ring_gyro/identification/parameter_vector.h"
+#include "ring_gyro/signals/parameter_vector.h"
 
 namespace cvg {
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "ring_gyro/demodulation/orbital_elements.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 

@@ -5,12 +5,13 @@
 
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
-#include "ring_gyro/control/control_gains.h"
 #include "ring_gyro/identification/filter/block_chain.h"
 #include "ring_gyro/identification/filter/first_look.h"
 #include "ring_gyro/identification/filter/interval_filter.h"
 #include "ring_gyro/identification/model/averaged_model.h"
-#include "ring_gyro/identification/parameter_estimate.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/orbital_elements.h"
+#include "ring_gyro/signals/parameter_estimate.h"
 
 namespace cvg {
 

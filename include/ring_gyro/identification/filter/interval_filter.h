@@ -9,7 +9,7 @@
 #include "ring_gyro/identification/model/averaged_step.h"
 #include "ring_gyro/identification/model/axes_dynamics.h"
 #include "ring_gyro/identification/model/parameter_lanes.h"
-#include "ring_gyro/identification/parameter_estimate.h"
+#include "ring_gyro/signals/parameter_estimate.h"
 
 namespace cvg {
 

@@ -7,7 +7,7 @@
 #include "ring_gyro/identification/filter/block_chain.h"
 #include "ring_gyro/identification/model/averaged_model.h"
 #include "ring_gyro/identification/model/envelope_model.h"
-#include "ring_gyro/identification/parameter_estimate.h"
+#include "ring_gyro/signals/parameter_estimate.h"
 
 namespace cvg {
 

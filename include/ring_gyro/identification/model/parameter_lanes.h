@@ -2,7 +2,7 @@
 
 #include "ring_gyro/common/lanes.h"
 #include "ring_gyro/common/pairs.h"
-#include "ring_gyro/identification/parameter_vector.h"
+#include "ring_gyro/signals/parameter_vector.h"
 
 namespace cvg {
 

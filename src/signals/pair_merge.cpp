@@ -1,11 +1,11 @@
-#include "ring_gyro/ros/pair_merge.h"
+#include "ring_gyro/signals/pair_merge.h"
 
 #include <algorithm>
 
-namespace ring_gyro::bridge {
+namespace cvg {
 namespace {
 
-bool sameBlock(const cvg::BlockStamp& a, const cvg::BlockStamp& b) {
+bool sameBlock(const BlockStamp& a, const BlockStamp& b) {
   return a.session == b.session && a.sequence == b.sequence && a.end_ns == b.end_ns;
 }
 
@@ -41,11 +41,11 @@ bool PairMerge::usable(Topic<Signal>& topic, const Signal& signal) {
   return true;
 }
 
-void PairMerge::add(const cvg::OrbitalElements& elements) {
+void PairMerge::add(const OrbitalElements& elements) {
   if (!usable(elements_, elements)) return;
   if (elements_.waiting.empty() && !gains_.waiting.empty() &&
       sameBlock(elements.stamp, gains_.waiting.front().signal.stamp)) {
-    const cvg::ControlGains gains = gains_.waiting.front().signal;
+    const ControlGains gains = gains_.waiting.front().signal;
     gains_.waiting.pop_front();
     ++counts_.pairs;
     sink_(elements, gains);
@@ -56,11 +56,11 @@ void PairMerge::add(const cvg::OrbitalElements& elements) {
 }
 
 /// The partner mostly waits already: then nothing has to be queued.
-void PairMerge::add(const cvg::ControlGains& gains) {
+void PairMerge::add(const ControlGains& gains) {
   if (!usable(gains_, gains)) return;
   if (gains_.waiting.empty() && !elements_.waiting.empty() &&
       sameBlock(elements_.waiting.front().signal.stamp, gains.stamp)) {
-    const cvg::OrbitalElements elements = elements_.waiting.front().signal;
+    const OrbitalElements elements = elements_.waiting.front().signal;
     elements_.waiting.pop_front();
     ++counts_.pairs;
     sink_(elements, gains);
@@ -71,8 +71,8 @@ void PairMerge::add(const cvg::ControlGains& gains) {
 }
 
 void PairMerge::emit() {
-  const Waiting<cvg::OrbitalElements> elements = elements_.waiting.front();
-  const Waiting<cvg::ControlGains> gains = gains_.waiting.front();
+  const Waiting<OrbitalElements> elements = elements_.waiting.front();
+  const Waiting<ControlGains> gains = gains_.waiting.front();
   elements_.waiting.pop_front();
   gains_.waiting.pop_front();
   ++counts_.pairs;
@@ -82,8 +82,8 @@ void PairMerge::emit() {
 PairMerge::Older PairMerge::older() const {
   const auto& elements = elements_.waiting.front();
   const auto& gains = gains_.waiting.front();
-  const cvg::BlockStamp& elements_stamp = elements.signal.stamp;
-  const cvg::BlockStamp& gains_stamp = gains.signal.stamp;
+  const BlockStamp& elements_stamp = elements.signal.stamp;
+  const BlockStamp& gains_stamp = gains.signal.stamp;
   bool elements_are_older = false;
   if (elements_stamp.session == gains_stamp.session) {
     elements_are_older = elements.steps_back != gains.steps_back
@@ -128,4 +128,4 @@ void PairMerge::flush() {
   gains_.waiting.clear();
 }
 
-}  // namespace ring_gyro::bridge
+}  // namespace cvg

@@ -1,4 +1,4 @@
-#include "ring_gyro/control/calibration.h"
+#include "ring_gyro/signals/corrections.h"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -33,7 +33,7 @@ DrivePath DrivePath::of(const Eigen::Matrix2cd& matrix) {
   return path;
 }
 
-Eigen::Vector2cd Calibration::undistorted(const Eigen::Vector2cd& measured) const {
+Eigen::Vector2cd Corrections::undistorted(const Eigen::Vector2cd& measured) const {
   if (!correct_pickoff || pickoff_cubic == 0.0) return measured;
   // Newton's steps for the size r of the motion in r + 3/4 cubic r^3 = size of the measured one.
   constexpr int kSteps = 6;
@@ -52,7 +52,7 @@ Eigen::Vector2cd Calibration::undistorted(const Eigen::Vector2cd& measured) cons
   return envelope;
 }
 
-Eigen::Matrix2cd Calibration::driveCorrection() const {
+Eigen::Matrix2cd Corrections::driveCorrection() const {
   DrivePath path = drive_path;
   if (!correct_phase) path.phase = 0.0;
   if (!correct_drive_gains) path.mismatch = path.skew = path.rotation = 0.0;
@@ -60,7 +60,7 @@ Eigen::Matrix2cd Calibration::driveCorrection() const {
   return path.matrix().inverse();
 }
 
-void Calibration::declare(ParameterTable& table) {
+void Corrections::declare(ParameterTable& table) {
   table.flag("correct_pickoff", correct_pickoff, "undo the cubic of the pick-off")
       .flag("correct_phase", correct_phase, "advance the drive by drive_phase")
       .flag("correct_drive_gains", correct_drive_gains,

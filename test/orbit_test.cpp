@@ -1,4 +1,4 @@
-#include "ring_gyro/demodulation/orbital_elements.h"
+#include "ring_gyro/demodulation/orbit.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ double uniform(std::mt19937& random, double lowest, double highest) {
   return std::uniform_real_distribution<double>(lowest, highest)(random);
 }
 
-TEST(OrbitalElements, RoundTripOnRandomOrbitsOfBothBranches) {
+TEST(Orbit, RoundTripOnRandomOrbitsOfBothBranches) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 20000; ++trial) {
     Orbit orbit;
@@ -38,7 +38,7 @@ TEST(OrbitalElements, RoundTripOnRandomOrbitsOfBothBranches) {
   }
 }
 
-TEST(OrbitalElements, CirclesOfBothSensesGiveTheirEnvelopeBack) {
+TEST(Orbit, CirclesOfBothSensesGiveTheirEnvelopeBack) {
   for (const double sense : {1.0, -1.0}) {
     const Orbit circle{0.7, sense * 0.7, 0.4, -1.1};
     const Orbit found = orbitFromEnvelope(envelopeFromOrbit(circle));
@@ -49,14 +49,14 @@ TEST(OrbitalElements, CirclesOfBothSensesGiveTheirEnvelopeBack) {
   }
 }
 
-TEST(OrbitalElements, RestIsFinite) {
+TEST(Orbit, RestIsFinite) {
   const Orbit rest = orbitFromEnvelope(Eigen::Vector2cd::Zero());
   EXPECT_EQ(rest.a, 0.0);
   EXPECT_EQ(rest.b, 0.0);
   EXPECT_TRUE(std::isfinite(rest.theta) && std::isfinite(rest.phi));
 }
 
-TEST(OrbitalElements, InvariantsHaveTheSignsOfEquation26) {
+TEST(Orbit, InvariantsHaveTheSignsOfEquation26) {
   std::mt19937 random(2);
   for (int trial = 0; trial < 1000; ++trial) {
     Orbit orbit;
@@ -75,7 +75,7 @@ TEST(OrbitalElements, InvariantsHaveTheSignsOfEquation26) {
 }
 
 // Equation (15) itself, sampled over a cycle.
-TEST(OrbitalElements, EnvelopeIsTheMotionOfEquation15) {
+TEST(Orbit, EnvelopeIsTheMotionOfEquation15) {
   const Orbit orbit{1.2, -0.3, 0.8, -2.0};
   const Eigen::Vector2cd envelope = envelopeFromOrbit(orbit);
   for (double psi = 0.0; psi < kTwoPi; psi += 0.1) {

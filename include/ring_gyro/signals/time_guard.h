@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "ring_gyro/common/block_stamp.h"
+#include "ring_gyro/signals/block_stamp.h"
 
-namespace ring_gyro::bridge {
+namespace cvg {
 
 /// How a stamp follows the one before it on the same topic.
 enum class StampOrder {
@@ -32,17 +32,17 @@ class TimeGuard {
   };
 
   /// What is not usable is not remembered: the next is compared with what came before.
-  StampOrder check(const cvg::BlockStamp& stamp);
+  StampOrder check(const BlockStamp& stamp);
   /// What check() would say, without counting or remembering.
-  StampOrder order(const cvg::BlockStamp& stamp) const;
+  StampOrder order(const BlockStamp& stamp) const;
 
   const Counts& counts() const { return counts_; }
 
  private:
   bool started_ = false;
-  cvg::BlockStamp last_;
+  BlockStamp last_;
   bool left_any_ = false;
-  cvg::BlockStamp left_;  // last of the session before
+  BlockStamp left_;  // last of the session before
   Counts counts_;
 };
 
@@ -52,4 +52,4 @@ constexpr bool isUsable(StampOrder order) {
          order != StampOrder::kLeftSession;
 }
 
-}  // namespace ring_gyro::bridge
+}  // namespace cvg

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
+
+#include "ring_gyro/signals/envelope.h"
 
 namespace cvg {
 
@@ -12,9 +13,9 @@ namespace cvg {
 /// block after it.
 struct DriveCommand {
   std::uint64_t answers_sequence = 0;
-  double reference_phase = 0.0;      ///< phase of the NCO at the start of the block [rad]
-  double reference_frequency = 0.0;  ///< [rad/s]
-  Eigen::Vector2cd envelope = Eigen::Vector2cd::Zero();  ///< [V]
+  double reference_phase = 0.0;          ///< phase of the NCO at the start of the block [rad]
+  double reference_frequency = 0.0;      ///< [rad/s]
+  Envelope envelope = Envelope::Zero();  ///< [V]
   /// Rate of the rate table that the gyroscope stands on, beside its rotation profile; zero but in
   /// a calibration run [rad/s].
   double table_rate = 0.0;

@@ -1,28 +1,16 @@
 #pragma once
 
-#include <Eigen/Core>
+#include "ring_gyro/signals/envelope.h"
+#include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 
-/// Orbit of the vibration over a cycle, equations (14)(15): an ellipse with major semi-axis a and
-/// minor semi-axis b (signed by its sense) [V] at angle theta [rad], passed with phase phi [rad]:
-///
-///     [X; Y] = e^{i phi} R(theta) [a; -i b],   x(t) = Re[X e^{i psi}].
-///
-/// (theta + pi, phi + pi) is the same motion; phi in (-pi, 0] is the branch used throughout.
-struct Orbit {
-  double a = 0.0;
-  double b = 0.0;
-  double theta = 0.0;
-  double phi = 0.0;
-};
-
 /// Orbit of an envelope, exact for every orbit but the circle (a = |b|), whose theta is undefined
 /// and comes out finite but arbitrary. theta in [-pi, pi], phi in (-pi, 0].
-Orbit orbitFromEnvelope(const Eigen::Vector2cd& envelope);
+Orbit orbitFromEnvelope(const Envelope& envelope);
 
 /// Envelope [V] of an orbit, on any branch.
-Eigen::Vector2cd envelopeFromOrbit(const Orbit& orbit);
+Envelope envelopeFromOrbit(const Orbit& orbit);
 
 /// The five quadratic invariants, equation (26) with the sign of L_I corrected [V^2].
 struct OrbitInvariants {
@@ -34,7 +22,7 @@ struct OrbitInvariants {
 };
 
 /// Invariants from the demodulated Cx, Sx, Cy, Sy (envelope = C - i S).
-OrbitInvariants invariantsFromEnvelope(const Eigen::Vector2cd& envelope);
+OrbitInvariants invariantsFromEnvelope(const Envelope& envelope);
 
 /// Counts turns: theta without jumps, from theta known modulo 2 pi.
 class AngleUnwrapper {

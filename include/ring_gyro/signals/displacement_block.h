@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "ring_gyro/common/aligned_vector.h"
-#include "ring_gyro/common/block_stamp.h"
+#include "ring_gyro/signals/block_stamp.h"
 
 namespace cvg {
 

@@ -1,4 +1,4 @@
-#include "ring_gyro/demodulation/orbital_elements.h"
+#include "ring_gyro/demodulation/orbit.h"
 
 #include <cmath>
 #include <complex>

@@ -36,7 +36,7 @@ struct DrivePath {
 /// velocity feedback cancels the damping mismatch (35); the drive is turned by the inverse of its
 /// path; the angle map makes the output angle from theta. docs/calibration.md says why in this
 /// order.
-struct Calibration {
+struct Corrections {
   bool correct_pickoff = true;
   bool correct_phase = true;           ///< DrivePath::phase
   bool correct_drive_gains = true;     ///< DrivePath::mismatch, skew, rotation

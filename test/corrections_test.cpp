@@ -1,4 +1,4 @@
-#include "ring_gyro/control/calibration.h"
+#include "ring_gyro/signals/corrections.h"
 
 #include <gtest/gtest.h>
 
@@ -35,41 +35,41 @@ TEST(DrivePath, IsFoundAgainInAMultipleOfItsMatrix) {
   EXPECT_NEAR(found.rotation_phase, path.rotation_phase, 1e-15);
 }
 
-TEST(Calibration, TurnsTheDriveByTheInverseOfItsPath) {
-  Calibration calibration;
-  calibration.drive_path = somePath();
-  const Eigen::Matrix2cd whole = calibration.drive_path.matrix() * calibration.driveCorrection();
+TEST(Corrections, TurnsTheDriveByTheInverseOfItsPath) {
+  Corrections corrections;
+  corrections.drive_path = somePath();
+  const Eigen::Matrix2cd whole = corrections.drive_path.matrix() * corrections.driveCorrection();
   EXPECT_LT((whole - Eigen::Matrix2cd::Identity()).norm(), 1e-14);
 }
 
-TEST(Calibration, LeavesWhatIsSwitchedOff) {
-  Calibration calibration;
-  calibration.drive_path = somePath();
-  calibration.correct_phase = false;
-  calibration.correct_phase_mismatch = false;
-  const DrivePath corrected = DrivePath::of(calibration.driveCorrection().inverse());
+TEST(Corrections, LeavesWhatIsSwitchedOff) {
+  Corrections corrections;
+  corrections.drive_path = somePath();
+  corrections.correct_phase = false;
+  corrections.correct_phase_mismatch = false;
+  const DrivePath corrected = DrivePath::of(corrections.driveCorrection().inverse());
   EXPECT_NEAR(corrected.phase, 0.0, 1e-15);
   EXPECT_NEAR(corrected.mismatch, 0.01, 1e-15);
   EXPECT_NEAR(corrected.phase_mismatch, 0.0, 1e-15);
-  calibration.correct_drive_gains = false;
-  EXPECT_LT((calibration.driveCorrection() - Eigen::Matrix2cd::Identity()).norm(), 1e-15);
+  corrections.correct_drive_gains = false;
+  EXPECT_LT((corrections.driveCorrection() - Eigen::Matrix2cd::Identity()).norm(), 1e-15);
 
-  calibration.pickoff_cubic = 0.02;
-  calibration.drift = {0.1, {}, {}};
-  calibration.angle_map = {0.0, {}, {0.01}};
-  calibration.correct_pickoff = calibration.cancel_drift = calibration.map_angle = false;
+  corrections.pickoff_cubic = 0.02;
+  corrections.drift = {0.1, {}, {}};
+  corrections.angle_map = {0.0, {}, {0.01}};
+  corrections.correct_pickoff = corrections.cancel_drift = corrections.map_angle = false;
   const Eigen::Vector2cd envelope(Complex(1.0, 0.2), Complex(0.3, -0.4));
-  EXPECT_EQ(calibration.undistorted(envelope), envelope);
-  EXPECT_EQ(calibration.driftAt(0.7), 0.0);
-  EXPECT_EQ(calibration.outputAngle(0.7), 0.7);
-  EXPECT_EQ(calibration.outputSlope(0.7), 1.0);
+  EXPECT_EQ(corrections.undistorted(envelope), envelope);
+  EXPECT_EQ(corrections.driftAt(0.7), 0.0);
+  EXPECT_EQ(corrections.outputAngle(0.7), 0.7);
+  EXPECT_EQ(corrections.outputSlope(0.7), 1.0);
 }
 
 // The fundamental of x + c x^3, x = |X| cos, by the mean over a cycle.
-TEST(Calibration, UndoesTheFundamentalOfACubicPickoff) {
-  Calibration calibration;
+TEST(Corrections, UndoesTheFundamentalOfACubicPickoff) {
+  Corrections corrections;
   for (const double cubic : {0.02, -0.05, 0.2}) {
-    calibration.pickoff_cubic = cubic;
+    corrections.pickoff_cubic = cubic;
     const Eigen::Vector2cd envelope(std::polar(0.9, 0.4), std::polar(0.5, -2.0));
     Eigen::Vector2cd measured = Eigen::Vector2cd::Zero();
     constexpr int kSteps = 64;
@@ -80,7 +80,7 @@ TEST(Calibration, UndoesTheFundamentalOfACubicPickoff) {
         measured[axis] += 2.0 / kSteps * (x + cubic * x * x * x) * std::conj(turn);
       }
     }
-    EXPECT_LT((calibration.undistorted(measured) - envelope).norm(), 1e-9) << cubic;
+    EXPECT_LT((corrections.undistorted(measured) - envelope).norm(), 1e-9) << cubic;
   }
 }
 

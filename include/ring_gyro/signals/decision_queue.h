@@ -1,13 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <utility>
 
-#include "ring_gyro/nodes/queue_limits.h"
-
-namespace ring_gyro::nodes {
+namespace cvg {
 
 /// Decisions on their way to the loops, each made from the data of one period and in force from the
 /// drive of block `effective_sequence`, one period later, until the next one.
@@ -19,6 +18,9 @@ namespace ring_gyro::nodes {
 template <typename Decision>
 class DecisionQueue {
  public:
+  /// Decisions that wait for their block: one is due each period, one period ahead.
+  static constexpr std::size_t kMostWaiting = 16;
+
   struct Counts {
     std::uint64_t late = 0;     ///< came when the block that they were for had been answered
     std::uint64_t foreign = 0;  ///< of another session: left out
@@ -42,7 +44,7 @@ class DecisionQueue {
                            return block < other.effective_sequence;
                          });
     waiting_.insert(after, std::move(decision));
-    if (waiting_.size() <= kMostDecisions) return;
+    if (waiting_.size() <= kMostWaiting) return;
     waiting_.pop_back();
     ++counts_.early;
   }
@@ -93,4 +95,4 @@ class DecisionQueue {
   Counts counts_;
 };
 
-}  // namespace ring_gyro::nodes
+}  // namespace cvg

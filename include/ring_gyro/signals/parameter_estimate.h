@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "ring_gyro/common/block_stamp.h"
-#include "ring_gyro/identification/parameter_vector.h"
+#include "ring_gyro/signals/block_stamp.h"
+#include "ring_gyro/signals/parameter_vector.h"
 
 namespace cvg {
 

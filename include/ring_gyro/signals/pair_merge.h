@@ -6,10 +6,11 @@
 #include <functional>
 #include <utility>
 
-#include "ring_gyro/control/control_gains.h"
-#include "ring_gyro/ros/time_guard.h"
+#include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/orbital_elements.h"
+#include "ring_gyro/signals/time_guard.h"
 
-namespace ring_gyro::bridge {
+namespace cvg {
 
 /// Brings elements and gains of the same block together: the one way into the identifier, online
 /// and offline.
@@ -35,13 +36,13 @@ class PairMerge {
     std::uint64_t gains_alone = 0;     ///< gains whose elements were lost
     std::uint64_t overdue = 0;         ///< of both: partner not there kMostWaiting blocks later
   };
-  using Sink = std::function<void(const cvg::OrbitalElements&, const cvg::ControlGains&)>;
+  using Sink = std::function<void(const OrbitalElements&, const ControlGains&)>;
 
   /// `sink` gets the pairs in order; it may flush, but not add.
   explicit PairMerge(Sink sink) : sink_(std::move(sink)) {}
 
-  void add(const cvg::OrbitalElements& elements);
-  void add(const cvg::ControlGains& gains);
+  void add(const OrbitalElements& elements);
+  void add(const ControlGains& gains);
 
   /// The input has ended: what still waits is alone. Pairs may follow, as of a new start.
   void flush();
@@ -77,9 +78,9 @@ class PairMerge {
   void emit();
 
   Sink sink_;
-  Topic<cvg::OrbitalElements> elements_;
-  Topic<cvg::ControlGains> gains_;
+  Topic<OrbitalElements> elements_;
+  Topic<ControlGains> gains_;
   Counts counts_;
 };
 
-}  // namespace ring_gyro::bridge
+}  // namespace cvg

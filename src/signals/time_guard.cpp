@@ -1,8 +1,8 @@
-#include "ring_gyro/ros/time_guard.h"
+#include "ring_gyro/signals/time_guard.h"
 
-namespace ring_gyro::bridge {
+namespace cvg {
 
-StampOrder TimeGuard::order(const cvg::BlockStamp& stamp) const {
+StampOrder TimeGuard::order(const BlockStamp& stamp) const {
   if (stamp.end_ns <= 0) return StampOrder::kZero;
   if (!started_) return StampOrder::kFirst;
   if (stamp.session != last_.session) {
@@ -20,7 +20,7 @@ StampOrder TimeGuard::order(const cvg::BlockStamp& stamp) const {
   return stamp.sequence == last_.sequence + 1 ? StampOrder::kNext : StampOrder::kGap;
 }
 
-StampOrder TimeGuard::check(const cvg::BlockStamp& stamp) {
+StampOrder TimeGuard::check(const BlockStamp& stamp) {
   const StampOrder result = order(stamp);
   switch (result) {
     case StampOrder::kFirst:
@@ -55,4 +55,4 @@ StampOrder TimeGuard::check(const cvg::BlockStamp& stamp) {
   return result;
 }
 
-}  // namespace ring_gyro::bridge
+}  // namespace cvg
