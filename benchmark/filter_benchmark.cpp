@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "averaged_loop.h"
+#include "identification/averaged_loop.h"
 #include "dense_filter.h"
 #include "interleaved.h"
 #include "ring_gyro/identification/filter/interval_filter.h"

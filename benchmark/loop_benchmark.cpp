@@ -15,7 +15,7 @@
 
 #include "interleaved.h"
 #include "plain_loop.h"
-#include "reference_solution.h"
+#include "resonator/reference_solution.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/simulation/closed_loop.h"
 #include "ring_gyro/simulation/monte_carlo.h"

@@ -6,7 +6,7 @@
 #include <exception>
 #include <string>
 
-#include "bag_fixture.h"
+#include "ros/bag_fixture.h"
 
 int main(int argc, char** argv) {
   using namespace ring_gyro::test;

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "message_bytes.h"
+#include "ros/message_bytes.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <random>
 
-#include "bag_fixture.h"
+#include "ros/bag_fixture.h"
 
 namespace ring_gyro::test {
 namespace {

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "message_bytes.h"
+#include "ros/message_bytes.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/message_pool.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bag_fixture.h"
+#include "ros/bag_fixture.h"
 
 namespace ring_gyro::test {
 namespace {

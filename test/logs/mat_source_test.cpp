@@ -11,7 +11,7 @@
 #include <iterator>
 #include <memory>
 
-#include "log_fixture.h"
+#include "logs/log_fixture.h"
 #include "ring_gyro/common/angle.h"
 
 namespace cvg {

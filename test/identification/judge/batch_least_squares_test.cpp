@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "averaged_loop.h"
+#include "identification/averaged_loop.h"
 #include "ring_gyro/identification/filter/extended_identifier.h"
 
 namespace cvg {

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "message_bytes.h"
+#include "ros/message_bytes.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/loop_recorder.h"
 #include "ring_gyro/ros/node_configuration.h"

@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bag_fixture.h"
+#include "ros/bag_fixture.h"
 #include "ring_gyro/ros/bag_validation.h"
 #include "ring_gyro/ros/conversions.h"
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "averaged_loop.h"
+#include "identification/averaged_loop.h"
 #include "ring_gyro/compensation/compensation_injector.h"
 
 namespace cvg {

@@ -1,10 +1,10 @@
-#include "other_simulator.h"
+#include "logs/other_simulator.h"
 
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
-#include "log_fixture.h"
+#include "logs/log_fixture.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/identification/filter/identifier.h"
 

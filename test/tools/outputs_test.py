@@ -17,7 +17,8 @@ import time
 import unittest
 from pathlib import Path
 
-import junit
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+import junit  # noqa: E402
 
 PROGRAMS, CONFIG = Path(sys.argv[1]), Path(sys.argv[2]) / "paper_simulation.yaml"
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <random>
 
-#include "reference_solution.h"
+#include "resonator/reference_solution.h"
 #include "ring_gyro/resonator/sampled_resonator.h"
 
 namespace cvg {

@@ -11,7 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bag_fixture.h"
+#include "ros/bag_fixture.h"
 
 namespace ring_gyro::test {
 namespace {

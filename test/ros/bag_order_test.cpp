@@ -8,7 +8,7 @@
 #include <regex>
 #include <set>
 
-#include "bag_fixture.h"
+#include "ros/bag_fixture.h"
 #include "ring_gyro/ros/chunk_merge.h"
 
 namespace ring_gyro::test {

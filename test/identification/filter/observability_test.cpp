@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "averaged_loop.h"
+#include "identification/averaged_loop.h"
 #include "ring_gyro/identification/filter/extended_prior.h"
 #include "ring_gyro/identification/judge/information_bound.h"
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "log_fixture.h"
+#include "logs/log_fixture.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/logs/log_table.h"

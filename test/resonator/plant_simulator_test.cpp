@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "reference_solution.h"
+#include "resonator/reference_solution.h"
 #include "ring_gyro/demodulation/demodulator.h"
 
 namespace cvg {

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "averaged_loop.h"
+#include "identification/averaged_loop.h"
 #include "ring_gyro/common/angle.h"
 
 namespace cvg {

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """What the programs make today against what they made when the baseline was recorded: see
-baseline/README.md.
+README.md.
 
 usage: baseline_test.py FOLDER_OF_PROGRAMS CONFIG_FOLDER [RESULT.xml]
        baseline_test.py FOLDER_OF_PROGRAMS CONFIG_FOLDER --record COMMIT [--keep-bag]
@@ -20,11 +20,12 @@ from pathlib import Path
 
 import rosbag
 
-import junit
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+import junit  # noqa: E402
 
 PROGRAMS, CONFIG = Path(sys.argv[1]), Path(sys.argv[2])
-TESTS = Path(__file__).resolve().parent
-KEPT = TESTS / "baseline"
+KEPT = Path(__file__).resolve().parent
+TESTS = KEPT.parent
 RAW = ("displacement", "drive_command")
 AFTER_LOCK, RAW_AFTER_LOCK = 5.0, 0.5  # what the kept bag holds [s]
 LONG_RUN = 20.0  # whose contents are kept as digests [s]
