@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "identification/averaged_loop.h"
 #include "dense_filter.h"
+#include "identification/averaged_loop.h"
 #include "interleaved.h"
 #include "ring_gyro/identification/filter/interval_filter.h"
 

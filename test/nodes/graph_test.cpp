@@ -12,12 +12,12 @@
 #include <thread>
 #include <vector>
 
-#include "ros/message_bytes.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/messages.h"
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/topics.h"
 #include "ring_gyro/simulation/closed_loop.h"
+#include "ros/message_bytes.h"
 
 namespace ring_gyro::test {
 namespace {

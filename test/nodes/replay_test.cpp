@@ -11,11 +11,11 @@
 #include <thread>
 #include <vector>
 
-#include "ros/message_bytes.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/loop_recorder.h"
 #include "ring_gyro/ros/node_configuration.h"
 #include "ring_gyro/ros/topics.h"
+#include "ros/message_bytes.h"
 
 namespace ring_gyro::test {
 namespace {

@@ -7,9 +7,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "ros/bag_fixture.h"
 #include "ring_gyro/ros/bag_validation.h"
 #include "ring_gyro/ros/conversions.h"
+#include "ros/bag_fixture.h"
 
 namespace ring_gyro::test {
 namespace {

@@ -8,8 +8,8 @@
 #include <regex>
 #include <set>
 
-#include "ros/bag_fixture.h"
 #include "ring_gyro/ros/chunk_merge.h"
+#include "ros/bag_fixture.h"
 
 namespace ring_gyro::test {
 namespace {

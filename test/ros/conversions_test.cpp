@@ -10,12 +10,12 @@
 #include <variant>
 #include <vector>
 
-#include "ros/message_bytes.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/message_pool.h"
 #include "ring_gyro/signals/calibration_command.h"
 #include "ring_gyro/signals/compensation_decision.h"
+#include "ros/message_bytes.h"
 
 namespace ring_gyro::test {
 namespace {
