@@ -80,7 +80,7 @@ StateVector startSigma() {
 }
 
 IntervalFilter makeFilter() {
-  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise());
+  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noise());
   filter.initialise(startValue(), startSigma(), ParameterVector::Zero());
   return filter;
 }

@@ -136,7 +136,8 @@ class LoopAlone {
   explicit LoopAlone(const LoopConfiguration& configuration)
       : plant_(configuration.plant, configuration.converter, 1, 1,
                configuration.run.startNanoseconds()),
-        loops_(configuration.control, configuration.demodulation, configuration.converter),
+        loops_(configuration.device, configuration.control, configuration.demodulation,
+               configuration.converter),
         output_(&loops_.process(plant_.start())) {}
 
   void step() { output_ = &loops_.process(plant_.step(output_->command)); }

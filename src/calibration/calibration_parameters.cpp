@@ -1,12 +1,6 @@
 #include "ring_gyro/calibration/calibration_parameters.h"
 
-#include "ring_gyro/common/angle.h"
-
 namespace cvg {
-
-double CalibrationRunParameters::decayRate() const {
-  return kPi * natural_frequency / quality_factor;
-}
 
 void CalibrationRunParameters::declare(ParameterTable& table) {
   table

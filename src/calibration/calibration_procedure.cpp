@@ -78,24 +78,26 @@ void keepSignificantOrders(AngleHarmonics& function, double sigma) {
 
 }  // namespace
 
-CalibrationProcedure::CalibrationProcedure(const CalibrationRunParameters& parameters,
+CalibrationProcedure::CalibrationProcedure(const DeviceKnowledge& device,
+                                           const CalibrationRunParameters& parameters,
                                            const ExtendedParameters& identification,
                                            const ConverterParameters& converter,
                                            std::int64_t period_blocks, const Corrections& initial)
-    : parameters_(parameters),
+    : device_(device),
+      parameters_(parameters),
       identification_(withCalibratedGroups(identification)),
       converter_(converter),
       period_blocks_(static_cast<std::uint64_t>(period_blocks)),
       corrections_(initial) {
-  if (!(parameters.decayRate() > 0.0) || !(parameters.drive_gain > 0.0) ||
-      !(parameters.angular_gain > 0.0) || period_blocks <= 0) {
+  device.requireResonance("calibration");
+  if (!(device.drive_gain > 0.0) || !(device.angular_gain > 0.0) || period_blocks <= 0) {
     throw std::invalid_argument(
-        "calibration: natural_frequency, quality_factor, drive_gain and angular_gain must be above "
-        "zero, the period at least one block");
+        "calibration: device/drive_gain and device/angular_gain must be above zero, the period at "
+        "least one block");
   }
-  result_.angular_gain = parameters.angular_gain;
+  result_.angular_gain = device.angular_gain;
   const double rate =
-      parameters.survey_rate > 0.0 ? parameters.survey_rate : 0.3 * parameters.decayRate();
+      parameters.survey_rate > 0.0 ? parameters.survey_rate : 0.3 * device.decayRate();
   plan(rate);
   result_.missing = missingStages();
   Leg survey;
@@ -104,7 +106,7 @@ CalibrationProcedure::CalibrationProcedure(const CalibrationRunParameters& param
   survey.name = "survey at " + degreesPerSecond(rate);
   survey.virtual_rate = rate;
   survey.settling = legs_.front().settling;
-  survey.duration = std::max(1.5 * kTwoPi / rate, 10.0 / parameters.decayRate());
+  survey.duration = std::max(1.5 * kTwoPi / rate, 10.0 / device.decayRate());
   legs_.push_front(survey);
 }
 
@@ -155,10 +157,9 @@ void CalibrationProcedure::planPair(Stage stage, const std::string& name, double
     leg.name = name + " at " + degreesPerSecond(sign * rate);
     leg.virtual_rate = sign * virtual_rate;
     leg.table_rate = sign * table_rate;
-    leg.settling = std::max(kLeastSettling, parameters_.settling_decays / parameters_.decayRate());
+    leg.settling = std::max(kLeastSettling, parameters_.settling_decays / device_.decayRate());
     const double turns_time = kTurnsOfALeg * kTwoPi / patternRate(leg);
-    leg.duration =
-        duration(converter_, std::max({asked, turns_time, 10.0 / parameters_.decayRate()}));
+    leg.duration = duration(converter_, std::max({asked, turns_time, 10.0 / device_.decayRate()}));
     if (stage != Stage::kIdentification) leg.least_turn = kLeastTurns * kTwoPi;
     leg.second_of_pair = sign < 0.0;
     legs_.push_back(leg);
@@ -239,7 +240,7 @@ void CalibrationProcedure::record(const OrbitalElements& elements, const Control
 
   const double time = elements.stamp.end() - elements.group_delay;
   if (leg.stage == Stage::kIdentification) {
-    if (!identifier_) identifier_.emplace(identification_, converter_);
+    if (!identifier_) identifier_.emplace(device_, identification_, converter_);
     if (std::optional<ExtendedEstimate> estimate = identifier_->process(elements, gains, 0.0)) {
       estimate_ = std::move(estimate);
     }
@@ -347,7 +348,7 @@ void CalibrationProcedure::finishIdentification() {
   corrections_.drive_path =
       DrivePath::of(residual.matrix() * corrections_.driveCorrection().inverse());
   corrections_.pickoff_cubic += value("pickoff_cubic");
-  const double told = parameters_.decayRate() / parameters_.drive_gain;
+  const double told = device_.decayRate() / device_.drive_gain;
   const double found =
       kPi * result_.natural_frequency / result_.quality_factor / result_.drive_gain;
   corrections_.gamma1 = value("gamma1") * found / told;
@@ -453,12 +454,12 @@ void CalibrationProcedure::finishThreshold() {
 /// With the gains of the device as identified, in place of those that the loops were told.
 Corrections CalibrationProcedure::correctionsForDevice() const {
   Corrections corrections = corrections_;
-  const double told = parameters_.decayRate() / parameters_.drive_gain;
+  const double told = device_.decayRate() / device_.drive_gain;
   const double found =
       kPi * result_.natural_frequency / result_.quality_factor / result_.drive_gain;
   corrections.gamma1 *= told / found;
   corrections.gamma2 *= told / found;
-  corrections.drift = scaled(corrections.drift, result_.drive_gain / parameters_.drive_gain);
+  corrections.drift = scaled(corrections.drift, result_.drive_gain / device_.drive_gain);
   return corrections;
 }
 

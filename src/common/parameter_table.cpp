@@ -55,9 +55,9 @@ ParameterTable& ParameterTable::flag(std::string key, bool& target, std::string 
 }
 
 ParameterTable& ParameterTable::text(std::string key, std::string& target,
-                                     std::vector<std::string> choices, std::string description) {
-  parameters_.push_back({std::move(key), &target, "text", Range::any(), std::move(choices),
-                         std::move(description), false});
+                                     std::string description) {
+  parameters_.push_back(
+      {std::move(key), &target, "text", Range::any(), {}, std::move(description), false});
   return *this;
 }
 
@@ -93,6 +93,11 @@ void requireInRange(const ParameterTable& table, const std::string& prefix) {
     } else if (const auto* const list = std::get_if<std::vector<double>*>(&parameter.target)) {
       for (std::size_t k = 0; k < (*list)->size(); ++k) {
         check(parameter, "[" + std::to_string(k) + "]", (**list)[k], unit);
+      }
+    } else if (const auto* const choice = std::get_if<Parameter::Choice>(&parameter.target)) {
+      if (*choice->value >= parameter.choices.size()) {
+        faults += (faults.empty() ? "" : "\n") + prefix + parameter.key + " is none of its " +
+                  std::to_string(parameter.choices.size()) + " choices";
       }
     }
   }

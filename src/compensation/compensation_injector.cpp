@@ -38,10 +38,11 @@ void InjectorParameters::declare(ParameterTable& table) {
               "how fast the compensated gamma moves to its target");
 }
 
-CompensationInjector::CompensationInjector(const InjectorParameters& parameters,
+CompensationInjector::CompensationInjector(const DeviceKnowledge& device,
+                                           const InjectorParameters& parameters,
                                            std::int64_t period_blocks)
     : parameters_(checked(parameters)),
-      damping_(kTwoPi * parameters.natural_frequency / parameters.quality_factor),
+      damping_(2.0 * device.decayRate()),
       period_blocks_(period_blocks),
       enabled_(parameters.enabled) {
   if (!(damping_ > 0.0) || !std::isfinite(damping_)) {

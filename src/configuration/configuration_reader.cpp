@@ -237,7 +237,6 @@ LoopConfiguration readConfiguration(const YAML::Node& root, NodeParameters* node
   sections.push_back({"node", {}});
   (node != nullptr ? *node : unused).declare(sections.back().table);
   readSections(root, sections);
-  configuration.shareDevice();
   return configuration;
 }
 

@@ -19,21 +19,21 @@ void NodeParameters::declare(ParameterTable& table) {
                "blocks whose elements, gains and truth are sent together in lockstep, and at each "
                "end of an identifier period: the readers wake up less often; in real time 1")
       .number("clock_rate", clock_rate, "Hz", Range::between(1.0, 100.0), "of /clock, in wall time")
-      .text("imu_frame", imu_frame, {}, "frame_id of the sensed rate")
-      .text("watched", watched, {},
+      .text("imu_frame", imu_frame, "frame_id of the sensed rate")
+      .text("watched", watched,
             "nodes, blanks between, whose death ends the run of the plant; one that ends in order "
             "may be started again")
-      .text("configuration_file", configuration_file, {},
+      .text("configuration_file", configuration_file,
             "that these parameters come from: no output may be the same file")
-      .text("calibration_read", calibration_read, {},
+      .text("calibration_read", calibration_read,
             "calibration that these parameters come from too: no output may be the same file")
-      .text("bag", bag, {}, "file that the recorder writes")
+      .text("bag", bag, "file that the recorder writes")
       .flag("record_raw", record_raw,
             "samples and drive commands are recorded too; plant and loops wait for the listener to "
             "them")
-      .text("calibration_file", calibration_file, {}, "YAML file that a calibration run writes")
-      .text("report", report, {}, "JSON file that the identifier writes at its end")
-      .text("replay", replay, {},
+      .text("calibration_file", calibration_file, "YAML file that a calibration run writes")
+      .text("report", report, "JSON file that the identifier writes at its end")
+      .text("replay", replay,
             "bag whose replay the identifier listens to: it ends when all of it has come")
       .number("replay_start", replay_start, "s", Range::between(0.0, 1e9),
               "where that replay begins, from the begin of the bag")

@@ -91,12 +91,16 @@ std::string store(const Parameter&, bool* target, const std::string& text) {
   return "";
 }
 
-std::string store(const Parameter& parameter, std::string* target, const std::string& text) {
-  const auto& choices = parameter.choices;
-  if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
-    return "unknown choice";
-  }
+std::string store(const Parameter&, std::string* target, const std::string& text) {
   *target = text;
+  return "";
+}
+
+std::string store(const Parameter& parameter, Parameter::Choice target, const std::string& text) {
+  const auto& choices = parameter.choices;
+  const auto found = std::find(choices.begin(), choices.end(), text);
+  if (found == choices.end()) return "unknown choice";
+  *target.value = static_cast<std::uint8_t>(found - choices.begin());
   return "";
 }
 
@@ -112,6 +116,7 @@ std::string text(const double* value) {
 }
 std::string text(const std::int64_t* value) { return std::to_string(*value); }
 std::string text(const bool* value) { return *value ? "true" : "false"; }
+std::string text(Parameter::Choice) { return ""; }  // by the parameter's names
 std::string text(const std::string* value) { return value->empty() ? "\"\"" : *value; }
 std::string text(const std::vector<double>* values) {
   std::string result = "[";
@@ -147,13 +152,13 @@ std::string textFromNumber(double value) {
 }
 
 std::string storeText(const Parameter& parameter, const std::string& text) {
-  return std::visit([&](auto* target) { return store(parameter, target, text); }, parameter.target);
+  return std::visit([&](auto target) { return store(parameter, target, text); }, parameter.target);
 }
 
 std::string allowedText(const Parameter& parameter) {
   if (std::holds_alternative<bool*>(parameter.target)) return "true or false";
-  if (std::holds_alternative<std::string*>(parameter.target)) {
-    if (parameter.choices.empty()) return "any text";
+  if (std::holds_alternative<std::string*>(parameter.target)) return "any text";
+  if (std::holds_alternative<Parameter::Choice>(parameter.target)) {
     std::string result = "one of: ";
     for (const std::string& choice : parameter.choices) {
       if (&choice != &parameter.choices.front()) result += ", ";
@@ -169,7 +174,10 @@ std::string allowedText(const Parameter& parameter) {
 }
 
 std::string valueText(const Parameter& parameter) {
-  return std::visit([](const auto* target) { return text(target); }, parameter.target);
+  if (const auto* const choice = std::get_if<Parameter::Choice>(&parameter.target)) {
+    return parameter.choices.at(*choice->value);
+  }
+  return std::visit([](auto target) { return text(target); }, parameter.target);
 }
 
 }  // namespace cvg

@@ -27,19 +27,11 @@ LoopGains gainsOf(const LoopTuning& tuning, double decay = 0.0) {
   return loopGains(tuning.bandwidth, tuning.damping, decay);
 }
 
-double decayRate(const ControlParameters& p) {
-  return kPi * p.natural_frequency / p.quality_factor;
-}
-
 std::int64_t lockBlocks(const ConverterParameters& converter) {
   return static_cast<std::int64_t>(std::ceil(kLockTime / converter.blockDuration()));
 }
 
 const ControlParameters& checked(const ControlParameters& p) {
-  if (p.natural_frequency <= 0.0 || p.quality_factor <= 0.0 || p.drive_gain <= 0.0) {
-    throw std::invalid_argument(
-        "control: natural_frequency, quality_factor and drive_gain must be above zero");
-  }
   if (p.compensation && p.calibration_run) {
     throw std::invalid_argument(
         "control: compensation and calibration_run cannot both be true, each sets the damping "
@@ -48,25 +40,36 @@ const ControlParameters& checked(const ControlParameters& p) {
   return p;
 }
 
+const DeviceKnowledge& checked(const DeviceKnowledge& device) {
+  device.requireResonance("control loops");
+  if (!(device.drive_gain > 0.0)) {
+    throw std::invalid_argument("control loops: device/drive_gain must be above zero");
+  }
+  return device;
+}
+
+/// What the largest drive does to the orbit at the unit amplitude [V/s].
+double mostRate(const DeviceKnowledge& device, const ControlParameters& control) {
+  return control.drive_limit * device.drive_gain / (2.0 * device.angularFrequency());
+}
+
 }  // namespace
 
-ControlLoops::ControlLoops(const ControlParameters& control,
+ControlLoops::ControlLoops(const DeviceKnowledge& device, const ControlParameters& control,
                            const DemodulationParameters& demodulation,
                            const ConverterParameters& converter, const Corrections& corrections)
-    : parameters_(checked(control)),
+    : device_(checked(device)),
+      parameters_(checked(control)),
       demodulation_(demodulation),
       converter_(converter),
       corrections_(corrections),
-      demodulator_(demodulation, converter, control.natural_frequency),
+      demodulator_(demodulation, converter, device.natural_frequency),
       phase_loop_(gainsOf(control.phase_loop), converter.blockDuration(),
                   -kTwoPi * control.frequency_range, kTwoPi * control.frequency_range),
-      amplitude_loop_(
-          gainsOf(control.amplitude_loop, decayRate(control)), converter.blockDuration(), 0.0,
-          control.drive_limit * control.drive_gain / (2.0 * kTwoPi * control.natural_frequency)),
-      quadrature_loop_(
-          gainsOf(control.quadrature_loop), converter.blockDuration(),
-          -control.drive_limit * control.drive_gain / (2.0 * kTwoPi * control.natural_frequency),
-          control.drive_limit * control.drive_gain / (2.0 * kTwoPi * control.natural_frequency)),
+      amplitude_loop_(gainsOf(control.amplitude_loop, device.decayRate()),
+                      converter.blockDuration(), 0.0, mostRate(device, control)),
+      quadrature_loop_(gainsOf(control.quadrature_loop), converter.blockDuration(),
+                       -mostRate(device, control), mostRate(device, control)),
       frequency_feedforward_(control.learning_rate, converter.blockDuration()),
       quadrature_feedforward_(control.learning_rate, converter.blockDuration()),
       angle_tracker_gains_(gainsOf(control.angle_tracker)),
@@ -74,7 +77,7 @@ ControlLoops::ControlLoops(const ControlParameters& control,
       quadrature_lock_(lockBlocks(converter)),
       phase_lock_(lockBlocks(converter)),
       lead_(demodulator_.groupDelay() + 0.5 * converter.blockDuration()),
-      frequency_(kTwoPi * (control.natural_frequency + control.frequency_offset)) {
+      frequency_(kTwoPi * (device.natural_frequency + control.frequency_offset)) {
   LoopSettings settings;
   settings.virtual_rate = control.virtual_rate;
   settings.amplitude_modulation = control.amplitude_modulation;
@@ -84,7 +87,7 @@ ControlLoops::ControlLoops(const ControlParameters& control,
 }
 
 void ControlLoops::restart() {
-  *this = ControlLoops(parameters_, demodulation_, converter_, corrections_);
+  *this = ControlLoops(device_, parameters_, demodulation_, converter_, corrections_);
 }
 
 void ControlLoops::setSettings(const LoopSettings& settings) {
@@ -92,7 +95,7 @@ void ControlLoops::setSettings(const LoopSettings& settings) {
   drive_correction_ = settings.corrections.driveCorrection();
   compensation_ = {};
   if (settings.corrections.cancel_damping) {
-    const double per_gamma = 2.0 * decayRate(parameters_) / parameters_.drive_gain;  // [s]
+    const double per_gamma = 2.0 * device_.decayRate() / device_.drive_gain;  // [s]
     compensation_ = {per_gamma * settings.corrections.gamma1,
                      per_gamma * settings.corrections.gamma2};
   }
@@ -211,10 +214,10 @@ void ControlLoops::recallActedDrive(const DisplacementBlock& block, const Refere
 DriveGains ControlLoops::closeLoops(double theta) {
   const Orbit& orbit = output_.elements.orbit;
   const bool locked = amplitude_lock_.locked() && quadrature_lock_.locked() && phase_lock_.locked();
-  const double force_per_rate = 2.0 * frequency_ / parameters_.drive_gain;  // [V / (V/s)]
+  const double force_per_rate = 2.0 * frequency_ / device_.drive_gain;  // [V / (V/s)]
   const double learnt_frequency = frequency_feedforward_.at(theta);
   const double frequency_correction = phase_loop_.update(orbit.phi + 0.5 * kPi, learnt_frequency);
-  frequency_ = kTwoPi * (parameters_.natural_frequency + parameters_.frequency_offset) +
+  frequency_ = kTwoPi * (device_.natural_frequency + parameters_.frequency_offset) +
                frequency_correction + learnt_frequency;
   DriveGains gains;
   gains.sustain_force = force_per_rate * amplitude_loop_.update(amplitudeSetpoint() - orbit.a);
@@ -253,7 +256,7 @@ void ControlLoops::command(const DisplacementBlock& block, const Reference& refe
     Orbit ahead = output_.elements.orbit;
     ahead.theta += theta_rate_ * lead_;
     const DriveGains wanted = closeLoops(ahead.theta);
-    gains.drive = synthesizeDrive(ahead, wanted, frequency_, parameters_.drive_gain);
+    gains.drive = synthesizeDrive(ahead, wanted, frequency_, device_.drive_gain);
     gains.beta = wanted.sustain_force / (frequency_ * ahead.a);
     gains.alpha = wanted.alpha;
     gains.virtual_rate = wanted.virtual_rate;
@@ -265,7 +268,7 @@ void ControlLoops::command(const DisplacementBlock& block, const Reference& refe
     quadrature_loop_.reset();
     frequency_feedforward_.reset();
     quadrature_feedforward_.reset();
-    frequency_ = kTwoPi * (parameters_.natural_frequency + parameters_.frequency_offset);
+    frequency_ = kTwoPi * (device_.natural_frequency + parameters_.frequency_offset);
     gains.drive.sustain = {parameters_.drive_limit, 0.0};
   }
 

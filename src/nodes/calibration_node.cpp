@@ -45,8 +45,8 @@ CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private
       parameters_(checked(configuration).node),
       device_(configuration.loop.device),
       host_(std::move(host)),
-      procedure_(configuration.loop.calibration_run, configuration.loop.extended,
-                 configuration.loop.converter,
+      procedure_(configuration.loop.device, configuration.loop.calibration_run,
+                 configuration.loop.extended, configuration.loop.converter,
                  static_cast<std::int64_t>(configuration.loop.periodBlocks()),
                  configuration.loop.corrections),
       merge_([this](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {

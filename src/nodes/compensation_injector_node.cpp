@@ -20,7 +20,8 @@ CompensationInjectorNode::CompensationInjectorNode(ros::NodeHandle handle,
     : handle_(std::move(handle)),
       period_blocks_(configuration.loop.periodBlocks()),
       block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
-      injector_(configuration.loop.compensation, static_cast<std::int64_t>(period_blocks_)),
+      injector_(configuration.loop.device, configuration.loop.compensation,
+                static_cast<std::int64_t>(period_blocks_)),
       gains_(Output::advertise<ring_gyro::CompensationGains>(
           handle_, bridge::topics::kCompensationGains, true)),
       enable_service_(

@@ -37,7 +37,7 @@ ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle priva
       compensation_(configuration.loop.control.compensation),
       calibration_run_(configuration.loop.control.calibration_run),
       period_blocks_(configuration.loop.periodBlocks()),
-      loops_(configuration.loop.control, configuration.loop.demodulation,
+      loops_(configuration.loop.device, configuration.loop.control, configuration.loop.demodulation,
              configuration.loop.converter, configuration.loop.corrections),
       compensation_decisions_(period_blocks_),
       calibration_commands_(period_blocks_),

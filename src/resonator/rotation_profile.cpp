@@ -12,23 +12,18 @@ namespace cvg {
 
 void RotationParameters::declare(ParameterTable& table) {
   table
-      .text("profile", profile, {"constant", "step", "sine", "file"},
-            "rotation rate of the case against time")
+      .choice("profile", profile, {"constant", "step", "sine", "file"},
+              "rotation rate of the case against time")
       .number("rate", rate, "rad/s", Range::between(-1e3, 1e3),
               "constant: the rate; step: the rate after step_time; sine: its mean")
       .number("step_time", step_time, "s", Range::atLeast(0.0), "when the step happens")
       .number("amplitude", amplitude, "rad/s", Range::between(-1e3, 1e3), "of the sine")
       .number("frequency", frequency, "Hz", Range::between(0.0, 1e4), "of the sine")
-      .text("file", file, {}, "two columns: time [s], rate [rad/s]; straight lines between rows");
+      .text("file", file, "two columns: time [s], rate [rad/s]; straight lines between rows");
 }
 
 RotationProfile::RotationProfile(const RotationParameters& parameters) : parameters_(parameters) {
-  const std::string& profile = parameters_.profile;
-  shape_ = profile == "constant" ? Shape::kConstant
-           : profile == "step"   ? Shape::kStep
-           : profile == "sine"   ? Shape::kSine
-                                 : Shape::kFile;
-  if (shape_ != Shape::kFile) return;
+  if (parameters_.profile != RotationShape::kFile) return;
   std::ifstream in(parameters_.file);
   if (!in) {
     throw std::invalid_argument("rotation: file '" + parameters_.file +
@@ -63,9 +58,10 @@ RotationProfile::RotationProfile(const RotationParameters& parameters) : paramet
 
 double RotationProfile::rate(double time) const {
   const RotationParameters& p = parameters_;
-  if (shape_ == Shape::kConstant) return p.rate;
-  if (shape_ == Shape::kStep) return time < p.step_time ? 0.0 : p.rate;
-  if (shape_ == Shape::kSine) return p.rate + p.amplitude * std::sin(kTwoPi * p.frequency * time);
+  if (p.profile == RotationShape::kConstant) return p.rate;
+  if (p.profile == RotationShape::kStep) return time < p.step_time ? 0.0 : p.rate;
+  if (p.profile == RotationShape::kSine)
+    return p.rate + p.amplitude * std::sin(kTwoPi * p.frequency * time);
   if (time <= times_.front()) return rates_.front();
   if (time >= times_.back()) return rates_.back();
   const auto after = std::upper_bound(times_.begin(), times_.end(), time) - times_.begin();
@@ -75,9 +71,9 @@ double RotationProfile::rate(double time) const {
 
 double RotationProfile::angle(double time) const {
   const RotationParameters& p = parameters_;
-  if (shape_ == Shape::kConstant) return p.rate * time;
-  if (shape_ == Shape::kStep) return p.rate * std::max(0.0, time - p.step_time);
-  if (shape_ == Shape::kSine) {
+  if (p.profile == RotationShape::kConstant) return p.rate * time;
+  if (p.profile == RotationShape::kStep) return p.rate * std::max(0.0, time - p.step_time);
+  if (p.profile == RotationShape::kSine) {
     const double w = kTwoPi * p.frequency;
     const double half = std::sin(0.5 * w * time);
     const double swing = w > 0.0 ? 2.0 * half * half / w : 0.0;
@@ -90,15 +86,15 @@ double RotationProfile::angle(double time) const {
 }
 
 double RotationProfile::meanRate(double begin, double end) const {
-  if (shape_ == Shape::kConstant) return parameters_.rate;
+  if (parameters_.profile == RotationShape::kConstant) return parameters_.rate;
   return (angle(end) - angle(begin)) / (end - begin);
 }
 
 bool RotationProfile::isConstant(double begin, double end) const {
   const RotationParameters& p = parameters_;
-  if (shape_ == Shape::kConstant) return true;
-  if (shape_ == Shape::kStep) return end <= p.step_time || begin >= p.step_time;
-  if (shape_ == Shape::kSine) return p.amplitude == 0.0 || p.frequency == 0.0;
+  if (p.profile == RotationShape::kConstant) return true;
+  if (p.profile == RotationShape::kStep) return end <= p.step_time || begin >= p.step_time;
+  if (p.profile == RotationShape::kSine) return p.amplitude == 0.0 || p.frequency == 0.0;
   return end <= times_.front() || begin >= times_.back();
 }
 

@@ -7,7 +7,7 @@ namespace ring_gyro::bridge {
 
 StreamIdentifier::StreamIdentifier(const cvg::LoopConfiguration& configuration, Sink sink,
                                    std::uint64_t start_sequence)
-    : identifier_(configuration.identification, configuration.converter),
+    : identifier_(configuration.device, configuration.identification, configuration.converter),
       merge_([this](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
         process(elements, gains);
       }),

@@ -6,10 +6,10 @@ CalibrationRun::CalibrationRun(const LoopConfiguration& configuration)
     : plant_(configuration.plant, configuration.converter,
              static_cast<std::uint64_t>(configuration.run.seed),
              configuration.run.sessionIdentifier(), configuration.run.startNanoseconds()),
-      loops_(configuration.control, configuration.demodulation, configuration.converter,
-             configuration.corrections),
-      procedure_(configuration.calibration_run, configuration.extended, configuration.converter,
-                 static_cast<std::int64_t>(configuration.periodBlocks()),
+      loops_(configuration.device, configuration.control, configuration.demodulation,
+             configuration.converter, configuration.corrections),
+      procedure_(configuration.device, configuration.calibration_run, configuration.extended,
+                 configuration.converter, static_cast<std::int64_t>(configuration.periodBlocks()),
                  configuration.corrections),
       start_ns_(configuration.run.startNanoseconds()) {}
 

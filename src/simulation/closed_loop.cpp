@@ -8,10 +8,10 @@ ClosedLoop::ClosedLoop(const LoopConfiguration& configuration)
     : plant_(configuration.plant, configuration.converter,
              static_cast<std::uint64_t>(configuration.run.seed),
              configuration.run.sessionIdentifier(), configuration.run.startNanoseconds()),
-      loops_(configuration.control, configuration.demodulation, configuration.converter,
-             configuration.corrections),
-      identifier_(configuration.identification, configuration.converter),
-      injector_(configuration.compensation, identifier_.periodBlocks()),
+      loops_(configuration.device, configuration.control, configuration.demodulation,
+             configuration.converter, configuration.corrections),
+      identifier_(configuration.device, configuration.identification, configuration.converter),
+      injector_(configuration.device, configuration.compensation, identifier_.periodBlocks()),
       compensation_(configuration.control.compensation),
       start_ns_(configuration.run.startNanoseconds()) {}
 

@@ -51,22 +51,6 @@ void RunParameters::declare(ParameterTable& table) {
               "stamp of the start of the first block; never zero, which in ROS means no time");
 }
 
-void DeviceKnowledge::declare(ParameterTable& table) {
-  // No ring has a Bryan factor above 1, but a rate table measures it together with its own scale
-  // and with the second order of the pick-off's errors: what a calibration run writes must be
-  // readable.
-  constexpr double kLargestMeasuredGain = 1.1;
-  table
-      .requiredNumber("natural_frequency", natural_frequency, "Hz", Range::between(1.0, 10e6),
-                      "f0, what the NCO starts from and the averaged model uses")
-      .requiredNumber("quality_factor", quality_factor, "1", Range::between(10.0, 1e9),
-                      "Q, for the loop gains and as the scale of identified damping and ks")
-      .requiredNumber("drive_gain", drive_gain, "1/s^2", Range::above(0.0),
-                      "ks as the loops assume it; the identifier finds its own")
-      .number("angular_gain", angular_gain, "1", Range::between(0.01, kLargestMeasuredGain),
-              "k, the Bryan factor, with which the pattern rate is reported as rate of the case");
-}
-
 Sections LoopConfiguration::sections() {
   Sections result;
   result.push_back(section("run", run));
@@ -86,24 +70,8 @@ Sections LoopConfiguration::sections() {
   return result;
 }
 
-void LoopConfiguration::shareDevice() {
-  control.natural_frequency = device.natural_frequency;
-  control.quality_factor = device.quality_factor;
-  control.drive_gain = device.drive_gain;
-  identification.natural_frequency = device.natural_frequency;
-  identification.quality_factor = device.quality_factor;
-  extended.natural_frequency = device.natural_frequency;
-  extended.quality_factor = device.quality_factor;
-  compensation.natural_frequency = device.natural_frequency;
-  compensation.quality_factor = device.quality_factor;
-  calibration_run.natural_frequency = device.natural_frequency;
-  calibration_run.quality_factor = device.quality_factor;
-  calibration_run.drive_gain = device.drive_gain;
-  calibration_run.angular_gain = device.angular_gain;
-}
-
 std::uint64_t LoopConfiguration::periodBlocks() const {
-  return static_cast<std::uint64_t>(Identifier(identification, converter).periodBlocks());
+  return static_cast<std::uint64_t>(identification.periodBlocks(converter));
 }
 
 }  // namespace cvg

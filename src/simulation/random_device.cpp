@@ -85,7 +85,6 @@ LoopConfiguration randomDevice(const LoopConfiguration& base, std::uint64_t inde
   }
   // Ring-up with the whole range, lock, then what is observed.
   result.run.duration = std::ceil(2.0 + 1.0 / decay + observed);
-  result.shareDevice();
   return result;
 }
 

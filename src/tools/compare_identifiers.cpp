@@ -82,9 +82,10 @@ struct Method {
   std::function<Estimate(const std::vector<Pair>&)> run;
 };
 
-Estimate runSevenStates(cvg::IdentificationParameters parameters,
+Estimate runSevenStates(const cvg::DeviceKnowledge& device,
+                        const cvg::IdentificationParameters& parameters,
                         const cvg::ConverterParameters& converter, const std::vector<Pair>& pairs) {
-  cvg::Identifier identifier(parameters, converter);
+  cvg::Identifier identifier(device, parameters, converter);
   Estimate result;
   for (const Pair& pair : pairs) {
     const auto estimate = identifier.process(pair.elements, pair.gains);
@@ -96,12 +97,12 @@ Estimate runSevenStates(cvg::IdentificationParameters parameters,
       result.sigma[static_cast<std::size_t>(k)] = estimate->sigma(state);
     }
   }
-  result.value[5] = parameters.quality_factor;
+  result.value[5] = device.quality_factor;
   return result;
 }
 
 Estimate figuresOf(const cvg::ExtendedState& state, const cvg::ExtendedVector& value,
-                   const cvg::ExtendedMatrix& covariance, double told_quality) {
+                   const cvg::ExtendedMatrix& covariance) {
   Estimate result;
   result.found = true;
   for (Eigen::Index k = 0; k < 5; ++k) {
@@ -109,64 +110,63 @@ Estimate figuresOf(const cvg::ExtendedState& state, const cvg::ExtendedVector& v
     result.sigma[static_cast<std::size_t>(k)] = std::sqrt(covariance(4 + k, 4 + k));
   }
   const int at = state.layout().decay_rate;
-  result.value[5] = told_quality;
+  result.value[5] = state.device().quality_factor;
   if (at >= 0) {
     const int frequency_at = state.layout().frequency;
     const double w0 =
-        frequency_at < 0 ? state.nominalFrequency() : cvg::kTwoPi * value[frequency_at];
+        frequency_at < 0 ? state.device().angularFrequency() : cvg::kTwoPi * value[frequency_at];
     result.value[5] = 0.5 * w0 / value[at];
     result.sigma[5] = result.value[5] * std::sqrt(covariance(at, at)) / value[at];
   }
   return result;
 }
 
-Estimate runExtended(const cvg::ExtendedParameters& parameters,
-                     const cvg::ConverterParameters& converter, double angular_gain,
-                     const std::vector<Pair>& pairs) {
-  cvg::ExtendedIdentifier identifier(parameters, converter);
+Estimate runExtended(const cvg::DeviceKnowledge& device, const cvg::ExtendedParameters& parameters,
+                     const cvg::ConverterParameters& converter, const std::vector<Pair>& pairs) {
+  cvg::ExtendedIdentifier identifier(device, parameters, converter);
   std::optional<cvg::ExtendedEstimate> last;
   for (const Pair& pair : pairs) {
     auto estimate =
-        identifier.process(pair.elements, pair.gains, angular_gain * pair.rotation_rate);
+        identifier.process(pair.elements, pair.gains, device.angular_gain * pair.rotation_rate);
     if (estimate && estimate->scaled) last = estimate;
   }
   if (!last) return {};
-  return figuresOf(cvg::ExtendedState(parameters), last->value, last->covariance,
-                   parameters.quality_factor);
+  return figuresOf(cvg::ExtendedState(device, parameters), last->value, last->covariance);
 }
 
-Estimate runBatch(const cvg::ExtendedParameters& parameters,
-                  const cvg::ConverterParameters& converter, double angular_gain,
-                  const std::vector<Pair>& pairs) {
-  cvg::BatchLeastSquares fit(parameters, converter);
+Estimate runBatch(const cvg::DeviceKnowledge& device, const cvg::ExtendedParameters& parameters,
+                  const cvg::ConverterParameters& converter, const std::vector<Pair>& pairs) {
+  cvg::BatchLeastSquares fit(device, parameters, converter);
   for (const Pair& pair : pairs) {
-    fit.add(pair.elements, pair.gains, angular_gain * pair.rotation_rate);
+    fit.add(pair.elements, pair.gains, device.angular_gain * pair.rotation_rate);
   }
   const cvg::BatchEstimate estimate = fit.solve();
   if (!estimate.converged) return {};
-  return figuresOf(cvg::ExtendedState(parameters), estimate.value, estimate.covariance,
-                   parameters.quality_factor);
+  return figuresOf(cvg::ExtendedState(device, parameters), estimate.value, estimate.covariance);
 }
 
 std::vector<Method> methods(const cvg::LoopConfiguration& configuration,
                             const std::optional<cvg::PlantTruth>& truth) {
   const cvg::ConverterParameters& converter = configuration.converter;
-  const double angular_gain = configuration.device.angular_gain;
   std::vector<Method> result;
   for (const double quality : {1.0, 1.5}) {
     const std::string start = quality == 1.0 ? "as told" : "Q 1.5x";
-    for (const char* tuning : {"paper", "derived"}) {
+    for (const cvg::Tuning tuning : {cvg::Tuning::kPaper, cvg::Tuning::kDerived}) {
       cvg::IdentificationParameters parameters = configuration.identification;
       parameters.tuning = tuning;
-      parameters.quality_factor *= quality;
-      result.push_back({"EKF, " + std::string(tuning), start, [=](const std::vector<Pair>& pairs) {
-                          return runSevenStates(parameters, converter, pairs);
-                        }});
+      cvg::DeviceKnowledge device = configuration.device;
+      device.quality_factor *= quality;
+      result.push_back(
+          {std::string("EKF, ") + (tuning == cvg::Tuning::kPaper ? "paper" : "derived"), start,
+           [=](const std::vector<Pair>& pairs) {
+             return runSevenStates(device, parameters, converter, pairs);
+           }});
     }
   }
   for (const std::string start : {"as told", "Q 1.5x", "ks 10x, -gamma"}) {
     cvg::ExtendedParameters parameters = configuration.extended;
-    if (start == "Q 1.5x") parameters.quality_factor *= 1.5;
+    cvg::DeviceKnowledge device = configuration.device;
+    if (start == "Q 1.5x") device.quality_factor *= 1.5;
     if (start == "ks 10x, -gamma") {
       parameters.initial_drive_gain = 10.0 * configuration.device.drive_gain;
       parameters.initial_drive_gain_sigma = 1.0;
@@ -174,10 +174,10 @@ std::vector<Method> methods(const cvg::LoopConfiguration& configuration,
       parameters.initial_gamma2 = truth ? -truth->gamma2 : -0.02;
     }
     result.push_back({"extended filter", start, [=](const std::vector<Pair>& pairs) {
-                        return runExtended(parameters, converter, angular_gain, pairs);
+                        return runExtended(device, parameters, converter, pairs);
                       }});
     result.push_back({"least squares", start, [=](const std::vector<Pair>& pairs) {
-                        return runBatch(parameters, converter, angular_gain, pairs);
+                        return runBatch(device, parameters, converter, pairs);
                       }});
   }
   return result;

@@ -34,7 +34,7 @@ using Complex = std::complex<double>;
 template <typename Seen>
 void runLoop(const cvg::LoopConfiguration& configuration, std::uint64_t seed, const Seen& seen) {
   cvg::PlantSimulator plant(configuration.plant, configuration.converter, seed, 1, 1000000000);
-  cvg::ControlLoops loops(configuration.control, configuration.demodulation,
+  cvg::ControlLoops loops(configuration.device, configuration.control, configuration.demodulation,
                           configuration.converter);
   const cvg::DisplacementBlock* block = &plant.start();
   const std::uint64_t blocks = configuration.run.blocks(configuration.converter);
@@ -111,7 +111,8 @@ struct Statistics {
 
 void addSeed(const cvg::LoopConfiguration& configuration, const cvg::ExtendedVector& truth,
              std::uint64_t seed, std::mutex& mutex, Statistics& statistics) {
-  cvg::ExtendedIdentifier identifier(configuration.extended, configuration.converter);
+  cvg::ExtendedIdentifier identifier(configuration.device, configuration.extended,
+                                     configuration.converter);
   cvg::ExtendedEstimate last;
   double nis = 0.0;
   double updates = 0.0;
@@ -143,7 +144,7 @@ void addSeed(const cvg::LoopConfiguration& configuration, const cvg::ExtendedVec
 void run(cvg::LoopConfiguration configuration, std::uint64_t seeds) {
   configuration.extended.noise_density = configuration.plant.sense.noise_density;
   configuration.extended.envelope_process_noise = processNoise(configuration.plant);
-  const cvg::ExtendedState state(configuration.extended);
+  const cvg::ExtendedState state(configuration.device, configuration.extended);
   const cvg::ExtendedVector truth = truthOf(state, configuration);
   const cvg::ExtendedMatrix bound = boundOf(configuration, state, truth);
 

@@ -219,7 +219,8 @@ ExtendedReport extendedReport(const std::vector<std::string>& bags, const Argume
   const bridge::BagIdentificationOptions& wanted = arguments.identification;
   const bridge::RecordedRun run =
       bridge::readRecordedRun(bags, wanted.topics, wanted.start, wanted.duration.value_or(0.0));
-  cvg::ExtendedIdentifier identifier(configuration.extended, configuration.converter);
+  cvg::ExtendedIdentifier identifier(configuration.device, configuration.extended,
+                                     configuration.converter);
   cvg::ExtendedEstimate last;
   cvg::NisTally nis;
   for (const bridge::RecordedPair& pair : run.pairs) {

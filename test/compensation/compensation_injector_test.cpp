@@ -18,15 +18,9 @@ namespace {
 constexpr std::int64_t kPeriodBlocks = 100;
 constexpr double kFrequency = 14e3;
 constexpr double kQuality = 22000.0;
+const DeviceKnowledge kKnown = {kFrequency, kQuality};
 constexpr double kTrueDriveGain = 1.1e5;
 constexpr double kGainPerGamma = kTwoPi * kFrequency / kQuality / kTrueDriveGain;
-
-InjectorParameters defaults() {
-  InjectorParameters parameters;
-  parameters.natural_frequency = kFrequency;
-  parameters.quality_factor = kQuality;
-  return parameters;
-}
 
 /// A good estimate at the end of period `period` (100 ms each).
 ParameterEstimate good(std::uint64_t period, double gamma1 = 0.02, double gamma2 = 0.03) {
@@ -45,14 +39,15 @@ double length(const CompensationDecision& decision) {
 }
 
 TEST(CompensationInjector, RefusesWhatItCannotUse) {
-  EXPECT_THROW(CompensationInjector(defaults(), 0), std::invalid_argument);
+  EXPECT_THROW(CompensationInjector(kKnown, {}, 0), std::invalid_argument);
   const auto expectRefused = [](double InjectorParameters::*field, double value) {
-    InjectorParameters parameters = defaults();
+    InjectorParameters parameters = InjectorParameters();
     parameters.*field = value;
-    EXPECT_THROW(CompensationInjector(parameters, kPeriodBlocks), std::invalid_argument) << value;
+    EXPECT_THROW(CompensationInjector(kKnown, parameters, kPeriodBlocks), std::invalid_argument)
+        << value;
   };
-  expectRefused(&InjectorParameters::natural_frequency, 0.0);
-  expectRefused(&InjectorParameters::quality_factor, -1.0);
+  EXPECT_THROW(CompensationInjector({0.0, kQuality}, {}, kPeriodBlocks), std::invalid_argument);
+  EXPECT_THROW(CompensationInjector({kFrequency, -1.0}, {}, kPeriodBlocks), std::invalid_argument);
   expectRefused(&InjectorParameters::ramp_rate, 0.0);
   expectRefused(&InjectorParameters::gamma_limit, 1.5);
   expectRefused(&InjectorParameters::start_after, -1.0);
@@ -60,7 +55,7 @@ TEST(CompensationInjector, RefusesWhatItCannotUse) {
 }
 
 TEST(CompensationInjector, DecidesOnePeriodAhead) {
-  CompensationInjector injector(defaults(), kPeriodBlocks);
+  CompensationInjector injector(kKnown, {}, kPeriodBlocks);
   const CompensationDecision decision = injector.decide(good(5));
   EXPECT_EQ(decision.session, 1u);
   EXPECT_EQ(decision.data_sequence, 599u);
@@ -68,7 +63,7 @@ TEST(CompensationInjector, DecidesOnePeriodAhead) {
 }
 
 TEST(CompensationInjector, RampsStraightToTheEstimate) {
-  CompensationInjector injector(defaults(), kPeriodBlocks);  // 0.05 / s in steps of 100 ms
+  CompensationInjector injector(kKnown, {}, kPeriodBlocks);  // 0.05 / s in steps of 100 ms
   const double target = std::hypot(0.02, 0.03);
   for (std::uint64_t k = 0; k < 12; ++k) {
     const CompensationDecision decision = injector.decide(good(k));
@@ -89,9 +84,9 @@ TEST(CompensationInjector, RampsStraightToTheEstimate) {
 TEST(CompensationInjector, WaitsBehindTheGate) {
   const auto expectWaiting = [](const ParameterEstimate& estimate, const char* why) {
     SCOPED_TRACE(why);
-    InjectorParameters parameters = defaults();
+    InjectorParameters parameters = InjectorParameters();
     parameters.start_after = 2.0;
-    CompensationInjector injector(parameters, kPeriodBlocks);
+    CompensationInjector injector(kKnown, parameters, kPeriodBlocks);
     const CompensationDecision decision = injector.decide(estimate);
     EXPECT_EQ(decision.state, InjectorState::kWaiting);
     EXPECT_EQ(decision.gains.gain1, 0.0);
@@ -118,14 +113,14 @@ TEST(CompensationInjector, WaitsBehindTheGate) {
   estimate.value[kDriveGain] = 0.0;
   expectWaiting(estimate, "no drive gain");
 
-  InjectorParameters parameters = defaults();
+  InjectorParameters parameters = InjectorParameters();
   parameters.start_after = 2.0;
-  CompensationInjector injector(parameters, kPeriodBlocks);
+  CompensationInjector injector(kKnown, parameters, kPeriodBlocks);
   EXPECT_EQ(injector.decide(good(20)).state, InjectorState::kTracking);
 }
 
 TEST(CompensationInjector, KeepsWhatItHasWhenTheGateShuts) {
-  CompensationInjector injector(defaults(), kPeriodBlocks);
+  CompensationInjector injector(kKnown, {}, kPeriodBlocks);
   const CompensationDecision open = injector.decide(good(0));
   ParameterEstimate doubtful = good(1);
   doubtful.converged = false;
@@ -139,7 +134,7 @@ TEST(CompensationInjector, KeepsWhatItHasWhenTheGateShuts) {
 }
 
 TEST(CompensationInjector, DoesNotFollowBeyondTheLimit) {
-  CompensationInjector injector(defaults(), kPeriodBlocks);
+  CompensationInjector injector(kKnown, {}, kPeriodBlocks);
   for (std::uint64_t k = 0; k < 10; ++k) injector.decide(good(k));
   const CompensationDecision decision = injector.decide(good(10, 0.12, 0.1));
   EXPECT_EQ(decision.state, InjectorState::kLimited);
@@ -150,7 +145,7 @@ TEST(CompensationInjector, DoesNotFollowBeyondTheLimit) {
 }
 
 TEST(CompensationInjector, HoldFreezes) {
-  CompensationInjector injector(defaults(), kPeriodBlocks);
+  CompensationInjector injector(kKnown, {}, kPeriodBlocks);
   const CompensationDecision before = injector.decide(good(0));
   injector.setHold(true);
   ParameterEstimate other = good(1, -0.05, 0.01);
@@ -166,7 +161,7 @@ TEST(CompensationInjector, HoldFreezes) {
 }
 
 TEST(CompensationInjector, DisabledRampsToZeroEvenOnHold) {
-  CompensationInjector injector(defaults(), kPeriodBlocks);
+  CompensationInjector injector(kKnown, {}, kPeriodBlocks);
   for (std::uint64_t k = 0; k < 3; ++k) injector.decide(good(k));
   injector.setHold(true);
   injector.setEnabled(false);
@@ -182,16 +177,16 @@ TEST(CompensationInjector, DisabledRampsToZeroEvenOnHold) {
 }
 
 TEST(CompensationInjector, StartsDisabledWhenToldSo) {
-  InjectorParameters parameters = defaults();
+  InjectorParameters parameters = InjectorParameters();
   parameters.enabled = false;
-  CompensationInjector injector(parameters, kPeriodBlocks);
+  CompensationInjector injector(kKnown, parameters, kPeriodBlocks);
   const CompensationDecision decision = injector.decide(good(50));
   EXPECT_EQ(decision.state, InjectorState::kDisabled);
   EXPECT_EQ(decision.gains.gain1, 0.0);
 }
 
 TEST(CompensationInjector, ResetIsAtOnce) {
-  CompensationInjector injector(defaults(), kPeriodBlocks);
+  CompensationInjector injector(kKnown, {}, kPeriodBlocks);
   for (std::uint64_t k = 0; k < 10; ++k) injector.decide(good(k));
   injector.reset();
   ParameterEstimate waiting = good(10);
@@ -204,7 +199,7 @@ TEST(CompensationInjector, ResetIsAtOnce) {
 }
 
 TEST(CompensationInjector, NewSessionBeginsAtZero) {
-  CompensationInjector injector(defaults(), kPeriodBlocks);
+  CompensationInjector injector(kKnown, {}, kPeriodBlocks);
   for (std::uint64_t k = 0; k < 10; ++k) injector.decide(good(k));
   ParameterEstimate estimate = good(0);
   estimate.stamp.session = 2;
@@ -225,10 +220,10 @@ TEST(CompensationInjector, NamesItsStates) {
 /// compensation `sign` times what the injector decides [rad/s].
 double driftUnder(double sign) {
   const DeviceParameters device{0.02, 0.03, 0.0, 0.0, kTrueDriveGain};
-  CompensationInjector injector(defaults(), kPeriodBlocks);
+  CompensationInjector injector(kKnown, {}, kPeriodBlocks);
   CompensationDecision decision;
   for (std::uint64_t k = 0; k < 10; ++k) decision = injector.decide(good(k));
-  const AveragedModel model(kFrequency, kQuality);
+  const AveragedModel model({kFrequency, kQuality});
   DriveGains gains;
   gains.compensation.gain1 = sign * decision.gains.gain1;
   gains.compensation.gain2 = sign * decision.gains.gain2;
@@ -248,7 +243,7 @@ double driftUnder(double sign) {
 // Equation (35) is printed with minus signs: with them the drift doubles instead of vanishing.
 TEST(CompensationInjector, SignPrintedIn35DoublesTheDrift) {
   const double uncompensated = driftUnder(0.0);
-  const double decay = AveragedModel(kFrequency, kQuality).decayRate();
+  const double decay = AveragedModel({kFrequency, kQuality}).decayRate();
   EXPECT_NEAR(uncompensated, 2.0 * decay * std::hypot(0.02, 0.03), 1e-4 * uncompensated);
   EXPECT_LT(driftUnder(+1.0), 1e-12);
   EXPECT_NEAR(driftUnder(-1.0) / uncompensated, 2.0, 1e-9);

@@ -42,16 +42,14 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(ConfigurationReader, DefaultsStayAndTheDeviceIsHandedOn) {
+TEST(ConfigurationReader, DefaultsStay) {
   const LoopConfiguration configuration = readConfiguration(minimal());
   EXPECT_EQ(configuration.run.seed, 1);
   EXPECT_EQ(configuration.converter.block_samples, 200);
-  EXPECT_EQ(configuration.control.natural_frequency, 14e3);
-  EXPECT_EQ(configuration.control.drive_gain, 1.1e5);
-  EXPECT_EQ(configuration.identification.natural_frequency, 14e3);
-  EXPECT_EQ(configuration.identification.quality_factor, 22000.0);
-  EXPECT_EQ(configuration.compensation.natural_frequency, 14e3);
-  EXPECT_EQ(configuration.compensation.quality_factor, 22000.0);
+  EXPECT_EQ(configuration.device.natural_frequency, 14e3);
+  EXPECT_EQ(configuration.device.quality_factor, 22000.0);
+  EXPECT_EQ(configuration.device.drive_gain, 1.1e5);
+  EXPECT_EQ(configuration.device.angular_gain, 1.0);
 }
 
 TEST(ConfigurationReader, TakesEveryTextThatIsWhollyANumber) {

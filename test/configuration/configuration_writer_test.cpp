@@ -95,9 +95,13 @@ void expectSame(Sections written, Sections back) {
       const Parameter& one = written[s].table.parameters()[k];
       const Parameter& other = back[s].table.parameters()[k];
       std::visit(
-          [&](auto* target) {
-            const auto& value = *std::get<decltype(target)>(other.target);
-            EXPECT_TRUE(*target == value) << one.key;
+          [&](auto target) {
+            using Target = decltype(target);
+            if constexpr (std::is_same_v<Target, Parameter::Choice>) {
+              EXPECT_EQ(*target.value, *std::get<Target>(other.target).value) << one.key;
+            } else {
+              EXPECT_TRUE(*target == *std::get<Target>(other.target)) << one.key;
+            }
           },
           one.target);
     }
@@ -129,7 +133,6 @@ TEST(ConfigurationWriter, AnAngularGainJustAboveOneIsWrittenAndReadAsMeasured) {
   found.device = {14e3, 4e3, 1e6, 1.0000003};
   const LoopConfiguration read_back = read(calibrationYaml(resultOf(found), {14e3, 4e3, 1e6, 1.0}));
   EXPECT_EQ(read_back.device.angular_gain, 1.0000003);
-  EXPECT_EQ(read_back.calibration_run.angular_gain, 1.0000003);
 }
 
 /// Every number of the file, outside its range or not finite: no file, and a line that names it.

@@ -22,15 +22,16 @@ constexpr std::int64_t kStart = 1000000000;
 
 struct LoopSetup {
   PlantParameters plant;
+  DeviceKnowledge device;
   ControlParameters control;
   ConverterParameters converter;
   Corrections corrections;
 
   LoopSetup() {
     ResonatorParameters& r = plant.resonator;
-    r.natural_frequency = control.natural_frequency = 14000.0;
-    r.quality_factor = control.quality_factor = 22000.0;
-    r.drive_gain = control.drive_gain = 1.1e5;
+    r.natural_frequency = device.natural_frequency = 14000.0;
+    r.quality_factor = device.quality_factor = 22000.0;
+    r.drive_gain = device.drive_gain = 1.1e5;
     r.gamma1 = 0.02;
     r.gamma2 = 0.03;
     r.mu1 = -30e-6;
@@ -49,7 +50,7 @@ class Loop {
  public:
   explicit Loop(const LoopSetup& setup)
       : plant_(setup.plant, setup.converter, 1, 1, kStart),
-        loops_(setup.control, {}, setup.converter, setup.corrections) {
+        loops_(setup.device, setup.control, {}, setup.converter, setup.corrections) {
     block_ = plant_.start();
   }
   const LoopOutput& step() {
@@ -145,7 +146,7 @@ TEST(ControlLoops, SteerAtTheVirtualRateBothWays) {
   for (const double rate : {toRadians(12.0), -toRadians(40.0)}) {
     LoopSetup setup;
     setup.makeIdeal();
-    setup.plant.resonator.natural_frequency = setup.control.natural_frequency = 14195.0;
+    setup.plant.resonator.natural_frequency = setup.device.natural_frequency = 14195.0;
     setup.control.virtual_rate = rate;
     Loop loop(setup);
     ASSERT_TRUE(loop.lockTime(1.0).has_value());
@@ -274,7 +275,7 @@ TEST(ControlLoops, KnowTheReferenceAfterMissedBlocks) {
   LoopSetup setup;
   for (const int missed : {0, 1, 7}) {
     PlantSimulator plant(setup.plant, setup.converter, 1, 1, kStart);
-    ControlLoops loops(setup.control, {}, setup.converter);
+    ControlLoops loops(setup.device, setup.control, {}, setup.converter);
     DisplacementBlock block = plant.start();
     for (int n = 0; n < 500; ++n) block = plant.step(loops.process(block).command);
     for (int n = 0; n < missed; ++n) block = plant.coast();
@@ -293,7 +294,7 @@ TEST(ControlLoops, ANewSessionFindsThemAsNewlyMade) {
   setup.corrections.gamma1 = 0.01;
   for (const int first_blocks : {1, 100, 4000}) {
     for (const int missed : {0, 1, 37}) {  // blocks of the second session
-      ControlLoops used(setup.control, {}, setup.converter, setup.corrections);
+      ControlLoops used(setup.device, setup.control, {}, setup.converter, setup.corrections);
       PlantSimulator first(setup.plant, setup.converter, 3, 1, kStart);
       DisplacementBlock block = first.start();
       for (int n = 0; n < first_blocks; ++n) {
@@ -306,7 +307,7 @@ TEST(ControlLoops, ANewSessionFindsThemAsNewlyMade) {
         }
         block = first.step(used.process(block).command);
       }
-      ControlLoops fresh(setup.control, {}, setup.converter, setup.corrections);
+      ControlLoops fresh(setup.device, setup.control, {}, setup.converter, setup.corrections);
       PlantSimulator plant(setup.plant, setup.converter, 4, 2, kStart);
       block = plant.start();
       for (int n = 0; n < missed; ++n) block = plant.coast();

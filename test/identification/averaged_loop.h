@@ -20,8 +20,7 @@ namespace cvg {
 class AveragedLoop {
  public:
   struct Options {
-    double natural_frequency = 14e3;  // [Hz]
-    double quality_factor = 22000.0;
+    DeviceKnowledge known = {14e3, 22000.0};
     DeviceParameters device{0.02, 0.03, -30e-6, -40e-6, 1.1e5};
     double block = 1e-3;         // [s]
     double group_delay = 0.0;    // [s]
@@ -43,7 +42,7 @@ class AveragedLoop {
 
   explicit AveragedLoop(const Options& options)
       : options_(options),
-        model_(options.natural_frequency, options.quality_factor),
+        model_(options.known),
         engine_(options.seed),
         whole_delay_(static_cast<int>(std::floor(options.group_delay / options.block + 1e-9))),
         rest_(options.group_delay - whole_delay_ * options.block) {
@@ -134,7 +133,7 @@ class AveragedLoop {
       return 2.0 * wn * error + integral;
     };
     const double w =
-        kTwoPi * options_.natural_frequency + loop(measured_.phi + kPi / 2, phase_integral_);
+        kTwoPi * options_.known.natural_frequency + loop(measured_.phi + kPi / 2, phase_integral_);
     const double force_per_rate = 2.0 * w / options_.device.drive_gain;
     DriveGains gains;
     gains.sustain_force =

@@ -30,13 +30,10 @@ TEST_F(OtherSimulator, LogIdentifiesToItsDevice) {
   EXPECT_EQ(log.counts.faults.total(), 0U);
   EXPECT_EQ(log.counts.missing_rows, 0U);
 
-  IdentificationParameters parameters;
-  parameters.natural_frequency = device.f0;
-  parameters.quality_factor = device.q;
   ConverterParameters converter;
   converter.sample_rate = 50e3;
   converter.block_samples = 100;
-  Identifier identifier(parameters, converter);
+  Identifier identifier({device.f0, device.q}, IdentificationParameters(), converter);
   std::optional<ParameterEstimate> last;
   for (const auto& [elements, gains] : log.blocks) {
     if (const auto estimate = identifier.process(elements, gains)) last = *estimate;

@@ -323,7 +323,7 @@ TEST(PlantSimulator, RateOfTheTableAtCommandIsARateOfTheProfile) {
   EXPECT_NEAR(commanded.plant().truth().rotation_angle, 0.5 * 10e-3, 1e-15);
   // Block 0 and ten more at rest, ten that turn; the other turned all along.
   PlantParameters still = paperPlant();
-  still.rotation.profile = "step";
+  still.rotation.profile = RotationShape::kStep;
   still.rotation.rate = 0.5;
   still.rotation.step_time = 11e-3;
   Bench step(still);
@@ -339,7 +339,7 @@ TEST(PlantSimulator, ExactAndSampledPathsAgree) {
   PlantParameters p = paperPlant();
   p.rotation.rate = 0.5;
   Bench exact(p);
-  p.rotation.profile = "sine";  // the same mean, a swing too small to matter
+  p.rotation.profile = RotationShape::kSine;  // the same mean, a swing too small to matter
   p.rotation.amplitude = 1e-13;
   p.rotation.frequency = 1.0;
   Bench sampled(p);

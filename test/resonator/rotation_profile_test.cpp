@@ -24,7 +24,7 @@ class RotationFile : public ::testing::Test {
   RotationParameters written(const std::string& text) {
     std::ofstream(name_) << text;
     RotationParameters parameters;
-    parameters.profile = "file";
+    parameters.profile = RotationShape::kFile;
     parameters.file = name_;
     return parameters;
   }
@@ -45,22 +45,23 @@ TEST(RotationProfile, MeansAreTheMeansOfTheRates) {
   p.step_time = 0.51;
   p.amplitude = 2.0;
   p.frequency = 3.3;
-  for (const char* kind : {"constant", "step", "sine"}) {
-    p.profile = kind;
+  for (const RotationShape shape :
+       {RotationShape::kConstant, RotationShape::kStep, RotationShape::kSine}) {
+    p.profile = shape;
     const RotationProfile profile(p);
-    EXPECT_NEAR(profile.meanRate(0.5, 0.53), numericMean(profile, 0.5, 0.53), 1e-5) << kind;
-    EXPECT_NEAR(profile.meanRate(2.0, 3.0), numericMean(profile, 2.0, 3.0), 1e-5) << kind;
+    EXPECT_NEAR(profile.meanRate(0.5, 0.53), numericMean(profile, 0.5, 0.53), 1e-5) << int(shape);
+    EXPECT_NEAR(profile.meanRate(2.0, 3.0), numericMean(profile, 2.0, 3.0), 1e-5) << int(shape);
   }
 }
 
 TEST(RotationProfile, KnowsWhereItIsConstant) {
   RotationParameters p;
-  p.profile = "step";
+  p.profile = RotationShape::kStep;
   p.step_time = 0.5;
   const RotationProfile step(p);
   EXPECT_TRUE(step.isConstant(0.1, 0.5));
   EXPECT_FALSE(step.isConstant(0.4995, 0.5005));
-  p.profile = "sine";
+  p.profile = RotationShape::kSine;
   p.amplitude = p.frequency = 1.0;
   EXPECT_FALSE(RotationProfile(p).isConstant(0.0, 0.001));
 }
@@ -79,7 +80,7 @@ TEST_F(RotationFile, FaultsNameFileLineAndMend) {
   EXPECT_NE(faultOf(written("0 0\n0 1\n")).find(":2:"), std::string::npos);
   EXPECT_NE(faultOf(written("# nothing\n")).find("has no rows"), std::string::npos);
   RotationParameters missing;
-  missing.profile = "file";
+  missing.profile = RotationShape::kFile;
   missing.file = "/nonexistent/rates.csv";
   EXPECT_NE(faultOf(missing).find("cannot be opened"), std::string::npos);
 }

@@ -108,7 +108,8 @@ TEST_F(BagIdentificationTest, SplitBagsContinueAsOneRun) {
 }
 
 TEST_F(BagIdentificationTest, StartSequenceIsAnIdentifierStartedThere) {
-  cvg::Identifier identifier(configuration_->identification, configuration_->converter);
+  cvg::Identifier identifier(configuration_->device, configuration_->identification,
+                             configuration_->converter);
   Estimates expected;
   cvg::ClosedLoop loop(*configuration_);
   for (std::uint64_t i = 0; i < 4050; ++i) {

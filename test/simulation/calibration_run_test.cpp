@@ -45,7 +45,6 @@ LoopConfiguration device() {
   run.verification_rates = {1.0};
   run.verification_time = 20.0;
   run.threshold_time = 20.0;
-  c.shareDevice();
   return c;
 }
 
@@ -67,7 +66,6 @@ LoopConfiguration withResult(LoopConfiguration c, const CalibrationResult& resul
   c.corrections = result.corrections;
   c.device = {result.natural_frequency, result.quality_factor, result.drive_gain,
               result.angular_gain};
-  c.shareDevice();
   return c;
 }
 
@@ -113,7 +111,6 @@ LoopConfiguration deviceWithGain(double told, double true_gain) {
   c.calibration_run.table_time = 10.0;
   c.calibration_run.verification_rates = {0.4};
   c.calibration_run.verification_time = 10.0;
-  c.shareDevice();
   return c;
 }
 

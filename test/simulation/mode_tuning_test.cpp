@@ -22,7 +22,6 @@ LoopConfiguration splitDevice() {
   r.tuning_gain = 1e-6;
   configuration.plant.sense.noise_density = 5e-6;
   configuration.control.virtual_rate = toRadians(12.0);
-  configuration.shareDevice();
   return configuration;
 }
 

@@ -32,7 +32,7 @@ class Loop {
  public:
   explicit Loop(const LoopConfiguration& c)
       : plant_(c.plant, c.converter, 1, 1, c.run.startNanoseconds()),
-        loops_(c.control, c.demodulation, c.converter, c.corrections),
+        loops_(c.device, c.control, c.demodulation, c.converter, c.corrections),
         block_seconds_(c.converter.blockDuration()),
         block_(plant_.start()) {}
 

@@ -10,12 +10,6 @@ namespace cvg {
 /// How a calibration run is made. Rates are those of steering unless said; times do not hold the
 /// settling before each leg.
 struct CalibrationRunParameters {
-  double natural_frequency = 0.0;  ///< f0, as the loops were told [Hz]
-  double quality_factor = 0.0;     ///< Q, as the loops were told
-  double drive_gain = 0.0;         ///< ks, as the loops were told [1/s^2]
-  double angular_gain =
-      1.0;  ///< k, as the loops were told: turns of the pattern per turn of the case
-
   double survey_rate = 0.0;       ///< before anything is known; 0: 0.3 xi0 w0 [rad/s]
   double rate_margin = 4.0;       ///< steering over the drift xi0 w0 |gamma| that the survey found
   double least_rate = 0.2;        ///< of that, however small the drift [rad/s]
@@ -35,8 +29,6 @@ struct CalibrationRunParameters {
   std::vector<double> verification_rates = {0.0872664626, 0.2094395102, 0.6981317008};  ///< [rad/s]
   double verification_time = 150.0;  ///< at each rate and sign [s]
   double threshold_time = 60.0;      ///< of following twice the threshold [s]
-
-  double decayRate() const;  ///< xi0 w0 as the loops were told [1/s]
 
   void declare(ParameterTable& table);
 };

@@ -10,6 +10,7 @@
 #include "ring_gyro/calibration/calibration_parameters.h"
 #include "ring_gyro/calibration/calibration_result.h"
 #include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/identification/filter/extended_identifier.h"
 #include "ring_gyro/signals/calibration_command.h"
 #include "ring_gyro/signals/control_gains.h"
@@ -30,9 +31,10 @@ namespace cvg {
 /// cannot change a run.
 class CalibrationProcedure {
  public:
-  /// `initial`: corrections that are in force already. `period_blocks`: blocks between commands.
-  /// Throws std::invalid_argument naming what cannot be used.
-  CalibrationProcedure(const CalibrationRunParameters& parameters,
+  /// `device`: as the loops were told. `initial`: corrections that are in force already.
+  /// `period_blocks`: blocks between commands. Throws std::invalid_argument naming what cannot be
+  /// used.
+  CalibrationProcedure(const DeviceKnowledge& device, const CalibrationRunParameters& parameters,
                        const ExtendedParameters& identification,
                        const ConverterParameters& converter, std::int64_t period_blocks,
                        const Corrections& initial);
@@ -90,6 +92,7 @@ class CalibrationProcedure {
   double timeLeft() const;
   std::vector<std::string> missingStages() const;
 
+  DeviceKnowledge device_;
   CalibrationRunParameters parameters_;
   ExtendedParameters identification_;
   ConverterParameters converter_;

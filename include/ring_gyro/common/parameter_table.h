@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -29,13 +31,18 @@ struct Range {
 /// One parameter: the only place where its name, unit, range and meaning stand.
 /// Its default is the initialiser of the field that `target` points to.
 struct Parameter {
-  using Target = std::variant<double*, std::int64_t*, bool*, std::string*, std::vector<double>*>;
+  /// An enumeration: the value k stands for choices[k].
+  struct Choice {
+    std::uint8_t* value;
+  };
+  using Target =
+      std::variant<double*, std::int64_t*, bool*, std::string*, std::vector<double>*, Choice>;
 
   std::string key;
   Target target;
   std::string unit;                  ///< SI, "1" when dimensionless
   Range range;                       ///< of numbers; of each element of a list
-  std::vector<std::string> choices;  ///< allowed texts; empty: any
+  std::vector<std::string> choices;  ///< of a Choice; no others
   std::string description;
   bool required = false;  ///< it has no default: the configuration must name it
 };
@@ -53,8 +60,15 @@ class ParameterTable {
   ParameterTable& integer(std::string key, std::int64_t& target, Range range,
                           std::string description);
   ParameterTable& flag(std::string key, bool& target, std::string description);
-  ParameterTable& text(std::string key, std::string& target, std::vector<std::string> choices,
-                       std::string description);
+  ParameterTable& text(std::string key, std::string& target, std::string description);
+  /// `Enumeration` on std::uint8_t, with values from 0 on in the order of `choices`.
+  template <typename Enumeration>
+  ParameterTable& choice(std::string key, Enumeration& target, std::vector<std::string> choices,
+                         std::string description) {
+    static_assert(std::is_same_v<std::underlying_type_t<Enumeration>, std::uint8_t>);
+    return add({std::move(key), Parameter::Choice{reinterpret_cast<std::uint8_t*>(&target)}, "text",
+                Range::any(), std::move(choices), std::move(description), false});
+  }
   ParameterTable& numbers(std::string key, std::vector<double>& target, std::string unit,
                           Range range, std::string description);
 
@@ -67,7 +81,8 @@ class ParameterTable {
 };
 
 /// Throws std::invalid_argument with a line for each number of the table, those in lists too, that
-/// is not in its range; `prefix` stands before the keys: "extended/", "--".
+/// is not in its range, and each choice that is none; `prefix` stands before the keys: "extended/",
+/// "--".
 void requireInRange(const ParameterTable& table, const std::string& prefix);
 
 /// A section of the configuration: its name and its parameters.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/signals/compensation_decision.h"
 #include "ring_gyro/signals/parameter_estimate.h"
@@ -10,8 +11,6 @@
 namespace cvg {
 
 struct InjectorParameters {
-  double natural_frequency = 0.0;   ///< f0, as the identifier was told [Hz]
-  double quality_factor = 0.0;      ///< Q, as the identifier was told
   bool enabled = true;              ///< at the start
   double start_after = 0.0;         ///< of data used, before compensation begins [s]
   double gamma_sigma_limit = 2e-4;  ///< opens the gate
@@ -33,7 +32,8 @@ struct InjectorParameters {
 class CompensationInjector {
  public:
   /// `period_blocks`: of the identifier. Throws std::invalid_argument naming what cannot be used.
-  CompensationInjector(const InjectorParameters& parameters, std::int64_t period_blocks);
+  CompensationInjector(const DeviceKnowledge& device, const InjectorParameters& parameters,
+                       std::int64_t period_blocks);
 
   /// The reference is good until the next call.
   const CompensationDecision& decide(const ParameterEstimate& estimate);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/control/control_parameters.h"
 #include "ring_gyro/control/drive_synthesis.h"
 #include "ring_gyro/control/lock_detector.h"
@@ -41,8 +42,9 @@ struct LoopOutput {
 class ControlLoops {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
-  ControlLoops(const ControlParameters& control, const DemodulationParameters& demodulation,
-               const ConverterParameters& converter, const Corrections& corrections = {});
+  ControlLoops(const DeviceKnowledge& device, const ControlParameters& control,
+               const DemodulationParameters& demodulation, const ConverterParameters& converter,
+               const Corrections& corrections = {});
 
   /// One block in, everything out. The reference is good until the next call.
   const LoopOutput& process(const DisplacementBlock& block);
@@ -82,6 +84,7 @@ class ControlLoops {
   DriveGains closeLoops(double theta);
   double amplitudeSetpoint() const;
 
+  DeviceKnowledge device_;
   ControlParameters parameters_;
   DemodulationParameters demodulation_;
   ConverterParameters converter_;

@@ -11,9 +11,6 @@ struct LoopTuning {
 };
 
 struct ControlParameters {
-  double natural_frequency = 0.0;  ///< what the NCO starts from [Hz]
-  double quality_factor = 0.0;     ///< for the loop gains
-  double drive_gain = 0.0;         ///< ks as the loops assume it [1/s^2]
   double frequency_offset = 0.0;   ///< of the NCO at the start [Hz]
   double amplitude = 1.0;          ///< setpoint of a [V]
   double drive_limit = 10.0;       ///< amplitude per axis [V]

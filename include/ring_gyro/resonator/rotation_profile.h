@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,13 +8,16 @@
 
 namespace cvg {
 
+/// Rotation rate of the case against time.
+enum class RotationShape : std::uint8_t { kConstant, kStep, kSine, kFile };
+
 struct RotationParameters {
-  std::string profile = "constant";  ///< constant, step, sine or file
-  double rate = 0.0;                 ///< constant; step: after step_time; sine: mean [rad/s]
-  double step_time = 0.0;            ///< [s]
-  double amplitude = 0.0;            ///< sine [rad/s]
-  double frequency = 0.0;            ///< sine [Hz]
-  std::string file;  ///< two columns: time [s], rate [rad/s]; straight lines between rows
+  RotationShape profile = RotationShape::kConstant;
+  double rate = 0.0;       ///< constant; step: after step_time; sine: mean [rad/s]
+  double step_time = 0.0;  ///< [s]
+  double amplitude = 0.0;  ///< sine [rad/s]
+  double frequency = 0.0;  ///< sine [Hz]
+  std::string file;        ///< two columns: time [s], rate [rad/s]; straight lines between rows
 
   void declare(ParameterTable& table);
 };
@@ -31,12 +35,9 @@ class RotationProfile {
   bool isConstant(double begin, double end) const;
 
  private:
-  enum class Shape { kConstant, kStep, kSine, kFile };
-
   double angle(double time) const;  // integral of the rate from 0
 
   RotationParameters parameters_;
-  Shape shape_;
   std::vector<double> times_;
   std::vector<double> rates_;
   std::vector<double> angles_;

@@ -4,6 +4,7 @@
 
 #include "ring_gyro/calibration/calibration_parameters.h"
 #include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/compensation/compensation_injector.h"
 #include "ring_gyro/control/control_parameters.h"
@@ -32,17 +33,6 @@ struct RunParameters {
   void declare(ParameterTable& table);
 };
 
-/// What is told of the device to the loops, the identifier and the injector. The device itself is
-/// in `resonator`, which only the plant reads: the two differ as a data sheet and a part do.
-struct DeviceKnowledge {
-  double natural_frequency = 0.0;  ///< f0 [Hz]
-  double quality_factor = 0.0;     ///< Q
-  double drive_gain = 0.0;         ///< ks as the loops assume it [1/s^2]
-  double angular_gain = 1.0;       ///< k, pattern angle to angle of the case
-
-  void declare(ParameterTable& table);
-};
-
 /// Everything that a run of the loop is made from; one YAML file holds it for nodes and tools.
 struct LoopConfiguration {
   RunParameters run;
@@ -63,10 +53,6 @@ struct LoopConfiguration {
   /// rotation, demodulation, control, calibration, identification, extended, compensation,
   /// calibration_run. The tables point into this object.
   Sections sections();
-
-  /// Hands `device` on to control, identification and compensation, whose tables leave it out so
-  /// that no file says one thing twice. To be called when the sections have been filled.
-  void shareDevice();
 
   /// Blocks in a period of the identifier. Throws std::invalid_argument when it is not whole.
   std::uint64_t periodBlocks() const;

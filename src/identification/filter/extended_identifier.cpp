@@ -48,10 +48,11 @@ double ExtendedEstimate::sigma(Eigen::Index state) const {
   return std::sqrt(covariance(state, state));
 }
 
-ExtendedIdentifier::ExtendedIdentifier(const ExtendedParameters& parameters,
+ExtendedIdentifier::ExtendedIdentifier(const DeviceKnowledge& device,
+                                       const ExtendedParameters& parameters,
                                        const ConverterParameters& converter)
     : parameters_(checked(parameters)),
-      state_(parameters),
+      state_(device, parameters),
       period_blocks_(converter.wholeBlocks(parameters.update_period, "extended/update_period")),
       block_duration_(converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(block_duration_)),
@@ -286,7 +287,7 @@ void ExtendedIdentifier::startAgain() {
 }
 
 bool ExtendedIdentifier::setScale(std::uint64_t sequence) {
-  const FirstLook look = first_look_.look(block_duration_, state_.nominalDecayRate());
+  const FirstLook look = first_look_.look(block_duration_, state_.device().decayRate());
   ExtendedVector value = startValue(state_, parameters_, look);
   const double drive_gain = value[state_.layout().drive_gain];
   if (!(look.drive_gain > 0.0) || !std::isfinite(drive_gain)) return false;

@@ -32,7 +32,7 @@ Spread spreadOf(const ExtendedState& state, const ExtendedParameters& p,
   setRelative(at.drive_gain, p.initial_drive_gain_sigma, p.drive_gain_walk);
   setRelative(at.decay_rate, p.initial_quality_sigma, p.quality_walk);
   // f0 is set from where the phase-locked loop is, which mu moves by half of itself.
-  set(at.frequency, 1, p.initial_mu_sigma * p.natural_frequency, p.frequency_walk);
+  set(at.frequency, 1, p.initial_mu_sigma * state.device().natural_frequency, p.frequency_walk);
   set(at.drive_phase, 1, p.initial_drive_phase_sigma, 0.0);
   setMismatch(at.mismatch, 2);
   setMismatch(at.drive_rotation, 1);
@@ -60,7 +60,7 @@ ExtendedVector startValue(const ExtendedState& state, const ExtendedParameters& 
   value[at.mu + 1] = parameters.initial_mu2;
   value[at.drive_gain] =
       parameters.initial_drive_gain > 0.0 ? parameters.initial_drive_gain : look.drive_gain;
-  if (at.decay_rate >= 0) value[at.decay_rate] = state.nominalDecayRate();
+  if (at.decay_rate >= 0) value[at.decay_rate] = state.device().decayRate();
   if (at.frequency >= 0) value[at.frequency] = look.frequency;
   if (at.pickoff_cubic >= 0) value[at.pickoff_cubic] = parameters.initial_cubic;
   return value;

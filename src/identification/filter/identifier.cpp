@@ -27,16 +27,7 @@ const IdentificationParameters& checked(const IdentificationParameters& paramete
   ParameterTable table;
   copy.declare(table);
   requireInRange(table, "identification/");
-  if (parameters.tuning != "derived" && parameters.tuning != "paper") {
-    throw std::invalid_argument("identification: tuning = " + parameters.tuning +
-                                " must be derived or paper");
-  }
   return parameters;
-}
-
-std::int64_t periodBlocks(const IdentificationParameters& parameters,
-                          const ConverterParameters& converter) {
-  return converter.wholeBlocks(parameters.update_period, "identification/update_period");
 }
 
 double square(double x) { return x * x; }
@@ -44,7 +35,7 @@ double square(double x) { return x * x; }
 IntervalNoise intervalNoise(const IdentificationParameters& parameters, double block_duration,
                             std::int64_t period_blocks) {
   IntervalNoise noise;
-  if (parameters.tuning == "paper") {
+  if (parameters.tuning == Tuning::kPaper) {
     const double blocks = static_cast<double>(period_blocks);
     noise.sample_variance = kPaperMeasurementNoise * blocks;
     noise.axes_density = kPaperProcessNoise[kA] / (blocks * block_duration);
@@ -61,12 +52,16 @@ IntervalNoise intervalNoise(const IdentificationParameters& parameters, double b
 
 }  // namespace
 
+std::int64_t IdentificationParameters::periodBlocks(const ConverterParameters& converter) const {
+  return converter.wholeBlocks(update_period, "identification/update_period");
+}
+
 void IdentificationParameters::declare(ParameterTable& table) {
   table
       .number("update_period", update_period, "s", Range::between(1e-6, 10.0),
               "a whole number of blocks; their mean is one measurement")
-      .text("tuning", tuning, {"derived", "paper"},
-            "noise of the filter: derived from the figures below, or the Q and R of the paper")
+      .choice("tuning", tuning, {"derived", "paper"},
+              "noise of the filter: derived from the figures below, or the Q and R of the paper")
       .number("noise_density", noise_density, "V/sqrt(Hz)", Range::between(1e-12, 1.0),
               "of the displacement samples, white, one-sided")
       .number("axis_process_noise", axis_process_noise, "V/sqrt(s)", Range::between(0.0, 1.0),
@@ -95,13 +90,13 @@ void IdentificationParameters::declare(ParameterTable& table) {
               "converged needs at least this span of theta in the data used");
 }
 
-Identifier::Identifier(const IdentificationParameters& parameters,
+Identifier::Identifier(const DeviceKnowledge& device, const IdentificationParameters& parameters,
                        const ConverterParameters& converter)
     : parameters_(checked(parameters)),
-      model_(parameters.natural_frequency, parameters.quality_factor),
+      model_(device),
       filter_(model_, intervalNoise(parameters, converter.blockDuration(),
-                                    cvg::periodBlocks(parameters, converter))),
-      period_blocks_(cvg::periodBlocks(parameters, converter)),
+                                    parameters.periodBlocks(converter))),
+      period_blocks_(parameters.periodBlocks(converter)),
       period_(static_cast<double>(period_blocks_) * converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(converter.blockDuration())),
       chain_(converter.blockDurationNanoseconds()) {}
@@ -291,7 +286,7 @@ bool Identifier::setScale() {
       parameters_.initial_mu_sigma, parameters_.initial_mu_sigma,
       parameters_.initial_drive_gain_sigma * look.drive_gain;
   ParameterVector walk;
-  if (parameters_.tuning == "paper") {
+  if (parameters_.tuning == Tuning::kPaper) {
     for (int k = 0; k < 5; ++k) walk[k] = std::sqrt(kPaperProcessNoise[k + 2] / period_);
   } else {
     walk << parameters_.gamma_walk, parameters_.gamma_walk, parameters_.mu_walk,

@@ -34,10 +34,11 @@ struct BatchLeastSquares::Normal {
   int residuals = 0;
 };
 
-BatchLeastSquares::BatchLeastSquares(const ExtendedParameters& parameters,
+BatchLeastSquares::BatchLeastSquares(const DeviceKnowledge& device,
+                                     const ExtendedParameters& parameters,
                                      const ConverterParameters& converter)
     : parameters_(parameters),
-      model_(ExtendedState(parameters)),
+      model_(ExtendedState(device, parameters)),
       period_blocks_(static_cast<std::size_t>(
           converter.wholeBlocks(parameters.update_period, "extended/update_period"))),
       block_duration_(converter.blockDuration()),
@@ -162,7 +163,7 @@ BatchEstimate BatchLeastSquares::solve() const {
                              std::to_string(period_blocks_) + " is needed");
   }
 
-  const FirstLook look = first_look_.look(block_duration_, state.nominalDecayRate());
+  const FirstLook look = first_look_.look(block_duration_, state.device().decayRate());
   const ExtendedVector guess = startValue(state, parameters_, look);
   if (!(guess[state.layout().drive_gain] > 0.0)) {
     throw std::runtime_error(

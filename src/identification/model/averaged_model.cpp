@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <complex>
-#include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/identification/model/axes_dynamics.h"
@@ -42,15 +41,9 @@ Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before, const Eigen::Vector2c
   return {stepImage(step.x(), cosine, sine, spread), stepImage(step.y(), cosine, sine, spread)};
 }
 
-AveragedModel::AveragedModel(double natural_frequency, double quality_factor)
-    : angular_frequency_(kTwoPi * natural_frequency),
-      decay_rate_(0.5 * angular_frequency_ / quality_factor) {
-  if (!(natural_frequency > 0.0) || !std::isfinite(natural_frequency)) {
-    throw std::invalid_argument("averaged model: natural_frequency must be above 0 Hz");
-  }
-  if (!(quality_factor > 0.0) || !std::isfinite(quality_factor)) {
-    throw std::invalid_argument("averaged model: quality_factor must be above 0");
-  }
+AveragedModel::AveragedModel(const DeviceKnowledge& device)
+    : angular_frequency_(device.angularFrequency()), decay_rate_(device.decayRate()) {
+  device.requireResonance("averaged model");
 }
 
 OrbitRates AveragedModel::rates(const Orbit& orbit, const DeviceParameters& device,

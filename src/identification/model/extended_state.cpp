@@ -30,17 +30,12 @@ std::vector<int> wholeOrders(const char* key, const std::vector<double>& orders)
 
 }  // namespace
 
-ExtendedState::ExtendedState(const ExtendedParameters& parameters)
+ExtendedState::ExtendedState(const DeviceKnowledge& device, const ExtendedParameters& parameters)
     : names_{"re_x", "im_x", "re_y", "im_y", "gamma1", "gamma2", "mu1", "mu2", "drive_gain"},
       even_orders_(wholeOrders("even_harmonics", parameters.even_harmonics)),
       odd_orders_(wholeOrders("odd_harmonics", parameters.odd_harmonics)),
-      nominal_decay_rate_(kPi * parameters.natural_frequency / parameters.quality_factor),
-      nominal_frequency_(kTwoPi * parameters.natural_frequency) {
-  if (!(parameters.natural_frequency > 0.0) || !(parameters.quality_factor > 0.0) ||
-      !std::isfinite(nominal_decay_rate_)) {
-    throw std::invalid_argument(
-        "extended: natural_frequency and quality_factor of the device must be above zero");
-  }
+      device_(device) {
+  device.requireResonance("extended");
   if (parameters.drift_bias && parameters.estimate_rotation) {
     throw std::invalid_argument(
         "extended: drift_bias and estimate_rotation both turn the pattern alike at every angle and "
@@ -98,11 +93,11 @@ std::optional<Eigen::Index> ExtendedState::find(const std::string& name) const {
 }
 
 double ExtendedState::decayRate(const ExtendedVector& linear) const {
-  return layout_.decay_rate < 0 ? nominal_decay_rate_ : linear[layout_.decay_rate];
+  return layout_.decay_rate < 0 ? device_.decayRate() : linear[layout_.decay_rate];
 }
 
 double ExtendedState::angularFrequency(const ExtendedVector& linear) const {
-  return layout_.frequency < 0 ? nominal_frequency_ : kTwoPi * linear[layout_.frequency];
+  return layout_.frequency < 0 ? device_.angularFrequency() : kTwoPi * linear[layout_.frequency];
 }
 
 Complex ExtendedState::driveGain(const ExtendedVector& linear) const {
@@ -130,7 +125,7 @@ ExtendedVector ExtendedState::physical(const ExtendedVector& linear) const {
 ExtendedVector ExtendedState::linear(const ExtendedVector& physical) const {
   ExtendedVector result = physical;
   result.segment<2>(layout_.gamma) *=
-      layout_.decay_rate < 0 ? nominal_decay_rate_ : physical[layout_.decay_rate];
+      layout_.decay_rate < 0 ? device_.decayRate() : physical[layout_.decay_rate];
   const double phase = layout_.drive_phase < 0 ? 0.0 : physical[layout_.drive_phase];
   const Complex gain = std::polar(physical[layout_.drive_gain], -phase);
   if (layout_.drive_phase >= 0) {
@@ -150,7 +145,7 @@ ExtendedMatrix ExtendedState::linearByPhysical(const ExtendedVector& physical) c
   const int decay_at = layout_.decay_rate;
   for (int k = 0; k < 2; ++k) {
     const int at = layout_.gamma + k;
-    result(at, at) = decay_at < 0 ? nominal_decay_rate_ : physical[decay_at];
+    result(at, at) = decay_at < 0 ? device_.decayRate() : physical[decay_at];
     if (decay_at >= 0) result(at, decay_at) = physical[at];
   }
   const int gain_at = layout_.drive_gain;

@@ -133,13 +133,12 @@ ExtendedVector truthFor(const ExtendedState& state) {
 }
 
 void expectEverythingFound(ExtendedParameters parameters) {
-  parameters.natural_frequency = kFrequency;
-  parameters.quality_factor = 20000.0;
+  const DeviceKnowledge known = {kFrequency, 20000.0};
   parameters.noise_density = kNoise;
   parameters.envelope_process_noise = 0.0;
-  const ExtendedState state(parameters);
+  const ExtendedState state(known, parameters);
   const ExtendedVector truth = truthFor(state);
-  ExtendedIdentifier identifier(parameters, ConverterParameters());
+  ExtendedIdentifier identifier(known, parameters, ConverterParameters());
   ModelLoop loop(state, truth, 1);
   ExtendedEstimate last;
   double nis = 0.0;

@@ -23,11 +23,10 @@ using Complex = std::complex<double>;
 
 constexpr double kFrequency = 14e3;  // [Hz]
 constexpr double kNoise = 5e-6;      // [V/sqrt(Hz)]
+const DeviceKnowledge kKnown = {kFrequency, 22000.0};
 
 ExtendedParameters everything() {
   ExtendedParameters parameters;
-  parameters.natural_frequency = kFrequency;
-  parameters.quality_factor = 22000.0;
   parameters.drive_matrix = parameters.drive_rotation = parameters.drift_bias = true;
   parameters.sense_matrix = parameters.rotation_scale = parameters.pickoff_cubic = true;
   parameters.even_harmonics = {1.0, 4.0};
@@ -70,7 +69,7 @@ void expectClose(const ExtendedMatrix& found, const ExtendedMatrix& expected, do
 }
 
 TEST(ExtendedState, PhysicalAndLinearCoordinatesAreInverse) {
-  const ExtendedState state(everything());
+  const ExtendedState state(kKnown, everything());
   const ExtendedVector physical = someState(state);
   const ExtendedVector linear = state.linear(physical);
   EXPECT_LT((state.physical(linear) - physical).cwiseAbs().maxCoeff(), 1e-9);
@@ -80,7 +79,7 @@ TEST(ExtendedState, PhysicalAndLinearCoordinatesAreInverse) {
 }
 
 TEST(ExtendedState, LinearByPhysicalIsTheDerivative) {
-  const ExtendedState state(everything());
+  const ExtendedState state(kKnown, everything());
   const ExtendedVector physical = someState(state);
   ExtendedMatrix numeric(state.size(), state.size());
   for (Eigen::Index k = 0; k < state.size(); ++k) {
@@ -97,19 +96,17 @@ TEST(ExtendedState, LinearByPhysicalIsTheDerivative) {
 TEST(ExtendedState, RefusesWhatCannotBeToldApart) {
   ExtendedParameters parameters = everything();
   parameters.estimate_rotation = true;
-  EXPECT_THROW(ExtendedState{parameters}, std::invalid_argument);
+  EXPECT_THROW(ExtendedState(kKnown, parameters), std::invalid_argument);
   parameters = everything();
   parameters.even_harmonics = {1.5};
-  EXPECT_THROW(ExtendedState{parameters}, std::invalid_argument);
+  EXPECT_THROW(ExtendedState(kKnown, parameters), std::invalid_argument);
   parameters.even_harmonics = {2.0, 2.0};
-  EXPECT_THROW(ExtendedState{parameters}, std::invalid_argument);
-  parameters = everything();
-  parameters.quality_factor = 0.0;
-  EXPECT_THROW(ExtendedState{parameters}, std::invalid_argument);
+  EXPECT_THROW(ExtendedState(kKnown, parameters), std::invalid_argument);
+  EXPECT_THROW(ExtendedState({kFrequency, 0.0}, everything()), std::invalid_argument);
 }
 
 void expectStepDerivatives(const ExtendedParameters& parameters) {
-  const EnvelopeModel model{ExtendedState(parameters)};
+  const EnvelopeModel model{ExtendedState(kKnown, parameters)};
   const ExtendedState& state = model.state();
   const ExtendedVector value = state.linear(someState(state));
   const EnvelopeInput input = someInput();
@@ -156,14 +153,12 @@ TEST(EnvelopeModel, DerivativesAgreeWithNumericOnes) {
   rotation.estimate_rotation = true;
   expectStepDerivatives(rotation);
   ExtendedParameters least;
-  least.natural_frequency = kFrequency;
-  least.quality_factor = 22000.0;
   least.quality = least.frequency = false;
   expectStepDerivatives(least);
 }
 
 TEST(EnvelopeModel, LinearisedStepIsExactToFirstOrder) {
-  const EnvelopeModel model{ExtendedState(everything())};
+  const EnvelopeModel model{ExtendedState(kKnown, everything())};
   const ExtendedVector nominal = model.state().linear(someState(model.state()));
   ExtendedVector value = nominal;
   for (Eigen::Index k = 4; k < value.size(); ++k) value[k] *= 1.0 + 1e-9;
@@ -182,6 +177,8 @@ TEST(EnvelopeModel, LinearisedStepIsExactToFirstOrder) {
 /// A device, its electronics and an experiment on it.
 struct Experiment {
   PlantParameters plant;
+  DeviceKnowledge told_to_loops = {kFrequency, 20000.0, 1.0e5};
+  DeviceKnowledge told_to_identifier = {kFrequency + 2.0, 20000.0};
   ControlParameters control;
   ExtendedParameters extended;
   double duration = 60.0;
@@ -197,12 +194,7 @@ struct Experiment {
     ring.mu2 = -40e-6;
     ring.drive_gain = 1.1e5;
     plant.sense.noise_density = kNoise;
-    control.natural_frequency = kFrequency;
-    control.quality_factor = 20000.0;  // what the loops and the identifier are told
-    control.drive_gain = 1.0e5;
     control.virtual_rate = toRadians(12.0);
-    extended.natural_frequency = kFrequency + 2.0;
-    extended.quality_factor = 20000.0;
     extended.noise_density = kNoise;
     extended.envelope_process_noise = 0.0;
   }
@@ -232,8 +224,8 @@ struct Outcome {
 Outcome run(const Experiment& experiment) {
   const ConverterParameters converter;
   PlantSimulator plant(experiment.plant, converter, 1, 1, 1000000000);
-  ControlLoops loops(experiment.control, {}, converter);
-  ExtendedIdentifier identifier(experiment.extended, converter);
+  ControlLoops loops(experiment.told_to_loops, experiment.control, {}, converter);
+  ExtendedIdentifier identifier(experiment.told_to_identifier, experiment.extended, converter);
   Outcome outcome;
   outcome.names = identifier.names();
   const DisplacementBlock* block = &plant.start();
@@ -399,7 +391,7 @@ TEST(ExtendedIdentifier, FindsTheSenseMatrixUnderReversedRotation) {
   experiment.plant.resonator.mu1 = 5e-7;
   experiment.plant.resonator.mu2 = -4e-7;
   experiment.control.virtual_rate = 0.0;
-  experiment.plant.rotation.profile = "sine";
+  experiment.plant.rotation.profile = RotationShape::kSine;
   experiment.plant.rotation.amplitude = 1.0;
   experiment.plant.rotation.frequency = 0.05;
   ExtendedParameters& extended = experiment.extended;
@@ -455,8 +447,8 @@ TEST(ExtendedIdentifier, KeepsItsParametersOverAGapAndForgetsThemWithASession) {
   const ConverterParameters converter;
   const Experiment experiment;
   PlantSimulator plant(experiment.plant, converter, 1, 1, 1000000000);
-  ControlLoops loops(experiment.control, {}, converter);
-  ExtendedIdentifier identifier(experiment.extended, converter);
+  ControlLoops loops(experiment.told_to_loops, experiment.control, {}, converter);
+  ExtendedIdentifier identifier(experiment.told_to_identifier, experiment.extended, converter);
   const DisplacementBlock* block = &plant.start();
   ExtendedEstimate before;
   ExtendedEstimate after;
@@ -492,10 +484,12 @@ TEST(ExtendedIdentifier, KeepsItsParametersOverAGapAndForgetsThemWithASession) {
 TEST(ExtendedIdentifier, RefusesWhatItCannotUse) {
   ExtendedParameters parameters = Experiment().extended;
   parameters.update_period = 0.0003;
-  EXPECT_THROW(ExtendedIdentifier(parameters, ConverterParameters()), std::invalid_argument);
+  EXPECT_THROW(ExtendedIdentifier(kKnown, parameters, ConverterParameters()),
+               std::invalid_argument);
   parameters = Experiment().extended;
   parameters.initial_gamma_sigma = 0.0;
-  EXPECT_THROW(ExtendedIdentifier(parameters, ConverterParameters()), std::invalid_argument);
+  EXPECT_THROW(ExtendedIdentifier(kKnown, parameters, ConverterParameters()),
+               std::invalid_argument);
 }
 
 }  // namespace

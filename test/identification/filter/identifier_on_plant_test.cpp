@@ -48,20 +48,15 @@ Errors identify(const Case& conditions) {
   ring.drive_gain = 1.1e5;
   plant_parameters.sense.noise_density = conditions.noise_density;
   plant_parameters.rotation.rate = conditions.rotation_rate;
+  const DeviceKnowledge known = {conditions.frequency, 22000.0, 1.0e5};  // a wrong ks
   ControlParameters control;
-  control.natural_frequency = conditions.frequency;
-  control.quality_factor = 22000.0;
-  control.drive_gain = 1.0e5;  // what the loops think
   control.virtual_rate = conditions.virtual_rate;
   DemodulationParameters demodulation;
   demodulation.stopband_attenuation = conditions.attenuation;
-  IdentificationParameters identification;
-  identification.natural_frequency = conditions.frequency;
-  identification.quality_factor = 22000.0;
 
   PlantSimulator plant(plant_parameters, converter, 1, 1, 1000000000);
-  ControlLoops loops(control, demodulation, converter);
-  Identifier identifier(identification, converter);
+  ControlLoops loops(known, control, demodulation, converter);
+  Identifier identifier(known, IdentificationParameters(), converter);
   ParameterEstimate last;
   const DisplacementBlock* block = &plant.start();
   const auto blocks = std::llround(60.0 / converter.blockDuration());

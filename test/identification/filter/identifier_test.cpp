@@ -16,11 +16,10 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 const DeviceParameters kDevice = AveragedLoop::Options{}.device;
+const DeviceKnowledge kKnown = AveragedLoop::Options{}.known;
 
 IdentificationParameters parametersFor(double period = 0.1) {
   IdentificationParameters parameters;
-  parameters.natural_frequency = 14e3;
-  parameters.quality_factor = 22000.0;
   parameters.update_period = period;
   return parameters;
 }
@@ -71,25 +70,27 @@ std::uint64_t accountedFor(const ParameterEstimate& estimate) {
 TEST(Identifier, RefusesWhatItCannotUse) {
   const ConverterParameters converter;
   const auto with = [&](auto&& change) {
+    DeviceKnowledge known = kKnown;
     IdentificationParameters parameters = parametersFor();
-    change(parameters);
-    return Identifier(parameters, converter);
+    change(known, parameters);
+    return Identifier(known, parameters, converter);
   };
-  EXPECT_NO_THROW(with([](auto&) {}));
-  EXPECT_THROW(with([](auto& p) { p.natural_frequency = 0.0; }), std::invalid_argument);
-  EXPECT_THROW(with([](auto& p) { p.quality_factor = kNan; }), std::invalid_argument);
-  EXPECT_THROW(with([](auto& p) { p.update_period = 0.0015; }), std::invalid_argument);
-  EXPECT_THROW(with([](auto& p) { p.update_period = 0.0; }), std::invalid_argument);
-  EXPECT_THROW(with([](auto& p) { p.noise_density = 0.0; }), std::invalid_argument);
-  EXPECT_THROW(with([](auto& p) { p.tuning = "printed"; }), std::invalid_argument);
+  EXPECT_NO_THROW(with([](auto&, auto&) {}));
+  EXPECT_THROW(with([](auto& d, auto&) { d.natural_frequency = 0.0; }), std::invalid_argument);
+  EXPECT_THROW(with([](auto& d, auto&) { d.quality_factor = kNan; }), std::invalid_argument);
+  EXPECT_THROW(with([](auto&, auto& p) { p.update_period = 0.0015; }), std::invalid_argument);
+  EXPECT_THROW(with([](auto&, auto& p) { p.update_period = 0.0; }), std::invalid_argument);
+  EXPECT_THROW(with([](auto&, auto& p) { p.noise_density = 0.0; }), std::invalid_argument);
+  EXPECT_THROW(with([](auto&, auto& p) { p.tuning = static_cast<Tuning>(7); }),
+               std::invalid_argument);
   try {
-    with([](auto& p) { p.gamma_walk = -1.0; });
+    with([](auto&, auto& p) { p.gamma_walk = -1.0; });
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("gamma_walk"), std::string::npos) << error.what();
   }
-  EXPECT_EQ(with([](auto& p) { p.update_period = 0.001; }).periodBlocks(), 1);
-  EXPECT_EQ(with([](auto&) {}).periodBlocks(), 100);
+  EXPECT_EQ(with([](auto&, auto& p) { p.update_period = 0.001; }).periodBlocks(), 1);
+  EXPECT_EQ(with([](auto&, auto&) {}).periodBlocks(), 100);
 }
 
 // Noise-free. Inputs taken from a microsecond off would already fail this.
@@ -99,7 +100,7 @@ TEST(Identifier, RecoversTheDeviceAtAnyGroupDelay) {
     AveragedLoop::Options options;
     options.group_delay = delay;
     AveragedLoop loop(options);
-    Identifier identifier(parametersFor(), ConverterParameters{});
+    Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
     const ParameterEstimate estimate = run(identifier, loop, 60000);
     expectNear(estimate, 5e-9, 8e-12, 1e-8);
     EXPECT_TRUE(estimate.updated);
@@ -111,7 +112,7 @@ TEST(Identifier, WrongGroupDelayShows) {
   AveragedLoop::Options options;
   options.group_delay = 0.6275e-3;
   AveragedLoop loop(options);
-  Identifier identifier(parametersFor(), ConverterParameters{});
+  Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
   ParameterEstimate last;
   for (int n = 0; n < 60000; ++n) {
     AveragedLoop::Output output = loop.step();
@@ -129,7 +130,7 @@ TEST(Identifier, SaysHowWellItKnowsWhatItFound) {
     options.noise_density = 5e-6;
     options.seed = seed;
     AveragedLoop loop(options);
-    Identifier identifier(parametersFor(), ConverterParameters{});
+    Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
     const ParameterEstimate estimate = run(identifier, loop, 60000);
     expectNear(estimate, 5e-6, 3e-10, 5e-6);
     EXPECT_LT(estimate.sigma(kGamma1), 1.5e-6);
@@ -153,7 +154,7 @@ TEST(Identifier, ErrorsAreAsLargeAsItsCovarianceSays) {
     AveragedLoop loop(options);
     IdentificationParameters parameters = parametersFor();
     parameters.axis_process_noise = 1e-8;
-    Identifier identifier(parameters, ConverterParameters{});
+    Identifier identifier(kKnown, parameters, ConverterParameters{});
     ParameterEstimate last;
     for (int n = 0; n < 10000; ++n) {
       const AveragedLoop::Output output = loop.step();
@@ -182,8 +183,8 @@ TEST(Identifier, PeriodsOfOneBlockAndOfAHundredAgree) {
   options.group_delay = 0.6275e-3;
   options.noise_density = 5e-6;
   AveragedLoop loop(options);
-  Identifier fast(parametersFor(0.001), ConverterParameters{});
-  Identifier slow(parametersFor(0.1), ConverterParameters{});
+  Identifier fast(kKnown, parametersFor(0.001), ConverterParameters{});
+  Identifier slow(kKnown, parametersFor(0.1), ConverterParameters{});
   ParameterEstimate each_block, each_period;
   for (int n = 0; n < 60000; ++n) {
     const AveragedLoop::Output output = loop.step();
@@ -204,9 +205,9 @@ TEST(Identifier, CompensationAndSteeringAreKnownInputs) {
   options.virtual_rate = toRadians(-20.0);
   options.rotation_rate = toRadians(5.0);
   AveragedLoop loop(options);
-  Identifier identifier(parametersFor(), ConverterParameters{});
+  Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
   run(identifier, loop, 20000);
-  const double per_gamma = 2.0 * kPi * 14e3 / 22000.0 / kDevice.drive_gain;
+  const double per_gamma = 2.0 * kKnown.decayRate() / kDevice.drive_gain;
   loop.setCompensation({per_gamma * kDevice.gamma1, per_gamma * 0.5 * kDevice.gamma2});
   const ParameterEstimate estimate = run(identifier, loop, 40000);
   expectNear(estimate, 1e-8, 1e-11, 1e-8);
@@ -217,7 +218,7 @@ TEST(Identifier, CompensationAndSteeringAreKnownInputs) {
 TEST(Identifier, EmitsAtThePeriodsEndWheneverItStarted) {
   AveragedLoop loop{AveragedLoop::Options{}};
   for (int n = 0; n < 37; ++n) loop.step();
-  Identifier identifier(parametersFor(), ConverterParameters{});
+  Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
   std::vector<std::uint64_t> ends;
   std::vector<bool> updated;
   for (int n = 37; n < 500; ++n) {
@@ -244,7 +245,7 @@ ParameterEstimate runHarmed(Harm&& harm) {
   AveragedLoop::Options options;
   options.group_delay = 0.6275e-3;
   AveragedLoop loop(options);
-  Identifier identifier(parametersFor(), ConverterParameters{});
+  Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
   ParameterEstimate last;
   for (int n = 0; n < 40000; ++n) {
     AveragedLoop::Output output = loop.step();
@@ -326,7 +327,7 @@ TEST(Identifier, DriveThatDoesNotSustainSetsNoScale) {
 TEST(Identifier, StaysFiniteWhateverItIsTold) {
   for (const double size : {1e3, 1e7, 1e11}) {
     AveragedLoop loop{AveragedLoop::Options{}};
-    Identifier identifier(parametersFor(), ConverterParameters{});
+    Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
     for (int n = 0; n < 5000; ++n) {
       AveragedLoop::Output output = loop.step();
       if (n > 100 && n % 700 < 150) output.elements.orbit.a *= size;
@@ -353,7 +354,7 @@ TEST(Identifier, StampsMustFollowEachOther) {
 
 TEST(Identifier, ParametersOutlastABreakAndTheAxesDoNot) {
   AveragedLoop loop{AveragedLoop::Options{}};
-  Identifier identifier(parametersFor(), ConverterParameters{});
+  Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
   const ParameterEstimate before = run(identifier, loop, 20000);
   const StateMatrix covariance = identifier.covariance();
   ParameterEstimate broken;
@@ -379,7 +380,7 @@ TEST(Identifier, ParametersOutlastABreakAndTheAxesDoNot) {
 
 TEST(Identifier, NewSessionStartsAfresh) {
   AveragedLoop loop{AveragedLoop::Options{}};
-  Identifier identifier(parametersFor(), ConverterParameters{});
+  Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
   run(identifier, loop, 10000);
   AveragedLoop::Options options;
   options.session = 2;
@@ -394,7 +395,7 @@ TEST(Identifier, NewSessionStartsAfresh) {
   EXPECT_EQ(estimate.sigma(kGamma1), 0.1);
 
   // What follows is what a new identifier makes of it, to the last bit.
-  Identifier fresh(parametersFor(), ConverterParameters{});
+  Identifier fresh(kKnown, parametersFor(), ConverterParameters{});
   AveragedLoop again(options);
   const ParameterEstimate continued = run(identifier, second, 4900);
   const ParameterEstimate repeated = run(fresh, again, 5000);
@@ -407,7 +408,7 @@ TEST(Identifier, NewSessionStartsAfresh) {
 
 TEST(Identifier, SequenceThatDoesNotGrowStartsAfresh) {
   AveragedLoop loop{AveragedLoop::Options{}};
-  Identifier identifier(parametersFor(), ConverterParameters{});
+  Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
   run(identifier, loop, 1000);
   AveragedLoop looped{AveragedLoop::Options{}};  // a bag played in a loop: same session, from zero
   const ParameterEstimate estimate = run(identifier, looped, 1000);
@@ -425,7 +426,7 @@ TEST(Identifier, ConvergedNeedsTheAngle) {
   parameters.converged_mu_sigma = 1.0;
   parameters.converged_drive_gain_sigma = 1.0;
   AveragedLoop loop{AveragedLoop::Options{}};
-  Identifier identifier(parameters, ConverterParameters{});
+  Identifier identifier(kKnown, parameters, ConverterParameters{});
   double angle_at_convergence = 0.0;
   for (int n = 0; n < 30000 && angle_at_convergence == 0.0; ++n) {
     const AveragedLoop::Output output = loop.step();
@@ -440,7 +441,7 @@ TEST(Identifier, ConvergedNeedsTheAngle) {
   options.virtual_rate = 0.0;
   options.device = {0.0, 0.0, 0.0, 0.0, 1.1e5};
   AveragedLoop standing(options);
-  Identifier patient(parametersFor(), ConverterParameters{});
+  Identifier patient(kKnown, parametersFor(), ConverterParameters{});
   const ParameterEstimate estimate = run(patient, standing, 30000);
   EXPECT_FALSE(estimate.converged);
   EXPECT_LT(estimate.angle_covered, 0.01);
@@ -454,7 +455,7 @@ TEST(Identifier, SigmaLimitsHoldConvergenceBack) {
     parameters.converged_mu_sigma = mu;
     parameters.converged_drive_gain_sigma = drive_gain;
     AveragedLoop loop{AveragedLoop::Options{}};
-    Identifier identifier(parameters, ConverterParameters{});
+    Identifier identifier(kKnown, parameters, ConverterParameters{});
     return run(identifier, loop, 20000).converged;
   };
   EXPECT_TRUE(convergedWith(1e-4, 1e-8, 5e-4));
@@ -467,8 +468,8 @@ TEST(Identifier, FollowsAParameterThatWalks) {
   IdentificationParameters parameters = parametersFor();
   parameters.gamma_walk = 1e-4;
   AveragedLoop loop{AveragedLoop::Options{}};
-  Identifier constant(parametersFor(), ConverterParameters{});
-  Identifier walking(parameters, ConverterParameters{});
+  Identifier constant(kKnown, parametersFor(), ConverterParameters{});
+  Identifier walking(kKnown, parameters, ConverterParameters{});
   ParameterEstimate settled, following;
   for (int n = 0; n < 60000; ++n) {
     const AveragedLoop::Output output = loop.step();
@@ -482,9 +483,9 @@ TEST(Identifier, FollowsAParameterThatWalks) {
 // The Q and R printed in the paper, without noise in the data: slow, and never sure of themselves.
 TEST(Identifier, PaperTuningIsSlow) {
   IdentificationParameters parameters = parametersFor();
-  parameters.tuning = "paper";
+  parameters.tuning = Tuning::kPaper;
   AveragedLoop loop{AveragedLoop::Options{}};
-  Identifier identifier(parameters, ConverterParameters{});
+  Identifier identifier(kKnown, parameters, ConverterParameters{});
   const auto gammaError = [](const ParameterEstimate& estimate) {
     return std::hypot(estimate.value[kGamma1] - kDevice.gamma1,
                       estimate.value[kGamma2] - kDevice.gamma2);

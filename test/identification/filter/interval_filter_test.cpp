@@ -81,7 +81,7 @@ class DenseReference {
   using Matrix = Eigen::Matrix<Real, 9, 9>;
 
   DenseReference(const IntervalNoise& noise, const StateVector& value, const StateVector& sigma)
-      : model_(kFrequency, kQuality), noise_(noise) {
+      : model_({kFrequency, kQuality}), noise_(noise) {
     value_.setZero();
     value_.head<7>() = value.cast<Real>();
     covariance_.setZero();
@@ -206,7 +206,7 @@ TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
       SCOPED_TRACE(std::to_string(period) + (in_one ? ", in one" : ""));
       const std::vector<Record> records = recordLoop(30000, 5e-6);
       const IntervalNoise noise = noiseOf(5e-6, 2e-6);
-      IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise);
+      IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noise);
       filter.initialise(startValue(), startSigma(), kNoWalk);
       DenseReference reference(noise, startValue(), startSigma());
       WorstErrors worst;
@@ -234,7 +234,7 @@ TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
 TEST(IntervalFilter, TakesSeveralStepsInOneGo) {
   const std::vector<Record> records = recordLoop(30000, 5e-6);
   const IntervalNoise noise = noiseOf(5e-6, 2e-6);
-  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise);
+  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noise);
   StateVector sigma;
   sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-8, 1e-8, 100.0;
   StateVector value;
@@ -268,7 +268,7 @@ TEST(IntervalFilter, ProcessNoiseEntersMeanAndEndAsItShould) {
     IntervalNoise noise;
     noise.sample_variance = density * density / kStep;
     noise.axes_density = process * process;
-    IntervalFilter filter(AveragedModel(kFrequency, 1e18), noise);
+    IntervalFilter filter(AveragedModel({kFrequency, 1e18}), noise);
     StateVector value = StateVector::Zero();
     value[kA] = 1.0;
     value[kDriveGain] = 1e5;
@@ -302,7 +302,7 @@ TEST(IntervalFilter, ProcessNoiseEntersMeanAndEndAsItShould) {
 }
 
 TEST(IntervalFilter, ParametersWalk) {
-  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(1.0, 0.0));
+  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(1.0, 0.0));
   ParameterVector walk;
   walk << 1e-3, 2e-3, 3e-7, 4e-7, 50.0;
   StateVector sigma = StateVector::Zero();
@@ -325,7 +325,7 @@ TEST(IntervalFilter, ParametersWalk) {
 // One angle shows two combinations of the five parameters. The others must not become uncertain,
 // however long the pattern rests there.
 TEST(IntervalFilter, ForgetsOnlyWhatNewerDataShow) {
-  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 2e-6));
+  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 2e-6));
   StateVector sigma;
   sigma << 1e-6, 1e-6, 1e-5, 1e-5, 1e-9, 1e-9, 1.0;
   filter.initialise(startValue(), sigma, kNoWalk, 5.0);
@@ -349,7 +349,7 @@ TEST(IntervalFilter, ForgetsOnlyWhatNewerDataShow) {
 }
 
 TEST(IntervalFilter, RestartedAxesAreCorrelatedWithNothing) {
-  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 2e-6));
+  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 2e-6));
   filter.initialise(startValue(), startSigma(), kNoWalk);
   for (const Record& record : recordLoop(100, 5e-6)) {
     filter.step(stepOf(record), kStep, record.measured);
@@ -367,7 +367,7 @@ TEST(IntervalFilter, RestartedAxesAreCorrelatedWithNothing) {
 }
 
 TEST(IntervalFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
-  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 2e-6));
+  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 2e-6));
   filter.initialise(startValue(), startSigma(), kNoWalk);
   EXPECT_FALSE(filter.update().accepted);  // no sample at all
   const std::vector<Record> records = recordLoop(10, 0.0);
@@ -385,7 +385,7 @@ TEST(IntervalFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
 
 TEST(IntervalFilter, CovarianceStaysSymmetricAndPositiveOver300000Updates) {
   const std::vector<Record> records = recordLoop(30000, 5e-6);
-  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 0.0));
+  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 0.0));
   StateVector sigma = startSigma();
   sigma[kA] = sigma[kB] = 1.0;  // as far from the end as it may be
   filter.initialise(startValue(), sigma, kNoWalk);
@@ -410,7 +410,7 @@ TEST(IntervalFilter, InnovationsAreAsLargeAsTheirCovarianceSays) {
   double sum = 0.0;
   int updates = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {
-    IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 0.0));
+    IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 0.0));
     // Near the truth: what is tested is the noise, not the way there.
     StateVector value, sigma;
     value << 1.0, 0.0, 0.0201, 0.0301, -30.01e-6, -40.01e-6, 1.1e5;
@@ -431,7 +431,7 @@ TEST(IntervalFilter, RefusesNoiseThatIsNone) {
   IntervalNoise noise = noiseOf(5e-6, 2e-6);
   noise.sample_variance = -1.0;
   for (const bool in_one : {false, true}) {
-    IntervalFilter filter(AveragedModel(kFrequency, kQuality), noise);
+    IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noise);
     filter.initialise(startValue(), startSigma(), kNoWalk);
     const StateVector value = filter.value();
     const StateMatrix covariance = filter.covariance();
@@ -448,7 +448,7 @@ TEST(IntervalFilter, RefusesNoiseThatIsNone) {
 }
 
 TEST(IntervalFilter, KnowsHowFarItIsLinear) {
-  IntervalFilter filter(AveragedModel(kFrequency, kQuality), noiseOf(5e-6, 2e-6));
+  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 2e-6));
   const double w = kTwoPi * kFrequency;
   StateVector sigma;
   sigma << 1e-3, 1e-3, 0.1, 0.1, 1e-4, 1e-4, 5e4;

@@ -47,8 +47,6 @@ std::vector<Experiment> experiments() {
 
 ExtendedParameters groups() {
   ExtendedParameters parameters;
-  parameters.natural_frequency = 14e3;
-  parameters.quality_factor = 22000.0;
   parameters.drive_matrix = parameters.drive_rotation = parameters.drift_bias = true;
   parameters.sense_matrix = parameters.rotation_scale = parameters.pickoff_cubic = true;
   parameters.even_harmonics = {1.0, 2.0, 4.0};
@@ -56,7 +54,7 @@ ExtendedParameters groups() {
 }
 
 struct Bound {
-  ExtendedState state{groups()};
+  ExtendedState state{AveragedLoop::Options().known, groups()};
   ExtendedVector prior;
   ExtendedMatrix covariance;
 
@@ -81,7 +79,7 @@ Bound boundOf(const Experiment& experiment) {
   ExtendedParameters parameters = groups();
   FirstLook look;
   look.drive_gain = options.device.drive_gain;
-  look.frequency = options.natural_frequency;
+  look.frequency = options.known.natural_frequency;
   ExtendedVector truth = startValue(bound.state, parameters, look);
   truth.segment<5>(4) << options.device.gamma1, options.device.gamma2, options.device.mu1,
       options.device.mu2, options.device.drive_gain;

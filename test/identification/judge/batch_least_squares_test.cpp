@@ -15,23 +15,28 @@ namespace {
 
 constexpr double kNoise = 5e-6;  // [V/sqrt(Hz)]
 
-ExtendedParameters parametersFor(const AveragedLoop::Options& options) {
-  ExtendedParameters parameters;
-  parameters.natural_frequency = options.natural_frequency;
-  parameters.quality_factor = 0.8 * options.quality_factor;
-  parameters.noise_density = kNoise;
-  parameters.envelope_process_noise = 0.0;
-  return parameters;
+/// Told wrong.
+DeviceKnowledge toldOf(const AveragedLoop::Options& options) {
+  DeviceKnowledge told = options.known;
+  told.quality_factor *= 0.8;
+  return told;
+}
+
+ExtendedParameters noisy() {
+  ExtendedParameters result;
+  result.noise_density = kNoise;
+  result.envelope_process_noise = 0.0;
+  return result;
 }
 
 TEST(BatchLeastSquares, FindsTheDeviceFromAWrongGuess) {
   const AveragedLoop::Options options;
-  ExtendedParameters parameters = parametersFor(options);
+  ExtendedParameters parameters = noisy();
   parameters.initial_drive_gain = 10.0 * options.device.drive_gain;
   parameters.initial_drive_gain_sigma = 1.0;
   parameters.initial_gamma1 = -options.device.gamma1;
   parameters.initial_gamma2 = -options.device.gamma2;
-  BatchLeastSquares fit(parameters, ConverterParameters());
+  BatchLeastSquares fit(toldOf(options), parameters, ConverterParameters());
   AveragedLoop loop(options);
   for (int n = 0; n < 20000; ++n) {
     const AveragedLoop::Output output = loop.step();
@@ -50,9 +55,9 @@ TEST(BatchLeastSquares, FindsTheDeviceFromAWrongGuess) {
 TEST(BatchLeastSquares, AgreesWithTheFilterOverGapsAndExplainsTheNoise) {
   AveragedLoop::Options options;
   options.noise_density = kNoise;
-  const ExtendedParameters parameters = parametersFor(options);
-  BatchLeastSquares fit(parameters, ConverterParameters());
-  ExtendedIdentifier identifier(parameters, ConverterParameters());
+  const ExtendedParameters parameters = noisy();
+  BatchLeastSquares fit(toldOf(options), parameters, ConverterParameters());
+  ExtendedIdentifier identifier(toldOf(options), parameters, ConverterParameters());
   AveragedLoop loop(options);
   ExtendedEstimate last;
   for (int n = 0; n < 60000; ++n) {
@@ -74,7 +79,7 @@ TEST(BatchLeastSquares, AgreesWithTheFilterOverGapsAndExplainsTheNoise) {
 }
 
 TEST(BatchLeastSquares, SaysWhenThereIsNothingToFit) {
-  BatchLeastSquares fit(parametersFor(AveragedLoop::Options()), ConverterParameters());
+  BatchLeastSquares fit(toldOf(AveragedLoop::Options()), noisy(), ConverterParameters());
   EXPECT_THROW(fit.solve(), std::runtime_error);
 }
 

@@ -61,10 +61,8 @@ AveragedLoop::Options smallMu() {
   return options;
 }
 
-ExtendedParameters extendedFor(const AveragedLoop::Options& options) {
+ExtendedParameters extendedParameters() {
   ExtendedParameters parameters;
-  parameters.natural_frequency = options.natural_frequency;
-  parameters.quality_factor = options.quality_factor;
   parameters.noise_density = kNoise;
   parameters.envelope_process_noise = 0.0;
   return parameters;
@@ -74,8 +72,7 @@ StateMatrix axesBound(AveragedLoop::Options options) {
   const ConverterParameters converter;
   StateVector prior;
   prior << 1.0, 1.0, 0.1, 0.1, 1e-4, 1e-4, 0.5 * options.device.drive_gain;
-  AxesBound bound({options.natural_frequency, options.quality_factor}, options.device, prior,
-                  kNoise, 0.0, converter);
+  AxesBound bound(AveragedModel(options.known), options.device, prior, kNoise, 0.0, converter);
   AveragedLoop loop(options);
   for (int n = 0; n < std::lround(kDuration / options.block); ++n) {
     const AveragedLoop::Output output = loop.step();
@@ -89,7 +86,7 @@ TEST(AxesBound, IsWhatASwingThroughTheDecayShows) {
   const StateMatrix bound = axesBound(options);
   // A swing in 2 theta of relative size gamma reaches a through the decay; seen for a time T
   // against noise of density N^2 its amplitude has the variance 2 N^2 / T, and a constant N^2 / T.
-  const double decay = kPi * options.natural_frequency / options.quality_factor;
+  const double decay = options.known.decayRate();
   const double swing = std::hypot(decay, 2.0 * options.virtual_rate);
   const double amplitude = kNoise * std::sqrt(2.0 / kDuration);
   const auto sigma = [&bound](StateIndex k) { return std::sqrt(bound(k, k)); };
@@ -97,7 +94,7 @@ TEST(AxesBound, IsWhatASwingThroughTheDecayShows) {
               sigma(kGamma1), sigma(kGamma2), sigma(kMu1), sigma(kMu2),
               sigma(kDriveGain) / options.device.drive_gain);
   const double gamma = amplitude * swing / decay;
-  const double mu = amplitude * swing / (kPi * options.natural_frequency);
+  const double mu = amplitude * swing / (kPi * options.known.natural_frequency);
   EXPECT_NEAR(sigma(kGamma1) / gamma, 1.0, 0.06);
   EXPECT_NEAR(sigma(kGamma2) / gamma, 1.0, 0.06);
   EXPECT_NEAR(sigma(kMu1) / mu, 1.0, 0.06);
@@ -111,11 +108,9 @@ TEST(AxesBound, IsReachedByTheIdentifier) {
   const StateMatrix bound = axesBound(options);
   options.noise_density = kNoise;
   IdentificationParameters parameters;
-  parameters.natural_frequency = options.natural_frequency;
-  parameters.quality_factor = options.quality_factor;
   parameters.noise_density = kNoise;
   parameters.axis_process_noise = 0.0;
-  Identifier identifier(parameters, ConverterParameters());
+  Identifier identifier(options.known, parameters, ConverterParameters());
   AveragedLoop loop(options);
   ParameterEstimate last;
   for (int n = 0; n < std::lround(kDuration / options.block); ++n) {
@@ -130,17 +125,17 @@ TEST(AxesBound, IsReachedByTheIdentifier) {
 TEST(EnvelopeBound, IsReachedByTheExtendedIdentifierAndBelowThatOfTheAxes) {
   AveragedLoop::Options options = smallMu();
   const StateMatrix axes = axesBound(options);
-  const ExtendedParameters parameters = extendedFor(options);
+  const ExtendedParameters parameters = extendedParameters();
   const ConverterParameters converter;
-  const EnvelopeModel model{ExtendedState(parameters)};
+  const EnvelopeModel model{ExtendedState(options.known, parameters)};
   const ExtendedState& state = model.state();
   const ExtendedState::Layout& at = state.layout();
   ExtendedVector truth = ExtendedVector::Zero(state.size());
   truth.segment<2>(at.gamma) << options.device.gamma1, options.device.gamma2;
   truth.segment<2>(at.mu) << options.device.mu1, options.device.mu2;
   truth[at.drive_gain] = options.device.drive_gain;
-  truth[at.decay_rate] = kPi * options.natural_frequency / options.quality_factor;
-  truth[at.frequency] = options.natural_frequency;
+  truth[at.decay_rate] = options.known.decayRate();
+  truth[at.frequency] = options.known.natural_frequency;
   ExtendedVector prior = ExtendedVector::Ones(state.size());
   prior.segment<2>(at.gamma).setConstant(0.1);
   prior.segment<2>(at.mu).setConstant(1e-4);
@@ -151,7 +146,7 @@ TEST(EnvelopeBound, IsReachedByTheExtendedIdentifierAndBelowThatOfTheAxes) {
   AveragedLoop quiet(options);
   options.noise_density = kNoise;
   AveragedLoop loop(options);
-  ExtendedIdentifier identifier(parameters, converter);
+  ExtendedIdentifier identifier(options.known, parameters, converter);
   ExtendedEstimate last;
   for (int n = 0; n < std::lround(kDuration / options.block); ++n) {
     const AveragedLoop::Output without = quiet.step();
@@ -176,8 +171,7 @@ TEST(EnvelopeBound, DoesNotChangeWithTheLoopsNoise) {
   const ConverterParameters converter;
   StateVector prior;
   prior << 1.0, 1.0, 0.1, 0.1, 1e-4, 1e-4, 0.5 * options.device.drive_gain;
-  AxesBound one({options.natural_frequency, options.quality_factor}, options.device, prior, kNoise,
-                0.0, converter);
+  AxesBound one(AveragedModel(options.known), options.device, prior, kNoise, 0.0, converter);
   AxesBound other = one;
   AveragedLoop quiet(options);
   AveragedLoop loud(noisy);

@@ -58,15 +58,16 @@ double relativeError(const Matrix& value, const Matrix& reference) {
 }
 
 TEST(AveragedModel, RefusesImpossibleRings) {
-  EXPECT_THROW(AveragedModel(0.0, kQuality), std::invalid_argument);
-  EXPECT_THROW(AveragedModel(kFrequency, -1.0), std::invalid_argument);
-  EXPECT_THROW(AveragedModel(std::numeric_limits<double>::quiet_NaN(), kQuality),
+  EXPECT_THROW(AveragedModel({0.0, kQuality}), std::invalid_argument);
+  EXPECT_THROW(AveragedModel({kFrequency, -1.0}), std::invalid_argument);
+  EXPECT_THROW(AveragedModel({std::numeric_limits<double>::quiet_NaN(), kQuality}),
                std::invalid_argument);
-  EXPECT_NEAR(AveragedModel(kFrequency, kQuality).decayRate(), kPi * kFrequency / kQuality, 1e-15);
+  EXPECT_NEAR(AveragedModel({kFrequency, kQuality}).decayRate(), kPi * kFrequency / kQuality,
+              1e-15);
 }
 
 TEST(AveragedModel, AxesRatesAreThoseOfTheFullModel) {
-  const AveragedModel model(kFrequency, kQuality);
+  const AveragedModel model({kFrequency, kQuality});
   RandomCase random(1);
   for (int k = 0; k < 1000; ++k) {
     const Orbit orbit = random.orbit();
@@ -82,7 +83,7 @@ TEST(AveragedModel, AxesRatesAreThoseOfTheFullModel) {
 // a' and b' are linear in the axes, in each parameter and nearly so in small angles: central
 // differences are exact to rounding but for the angles, whose third derivative leaves 1e-9.
 TEST(AveragedModel, JacobianAgreesWithCentralDifferences) {
-  const AveragedModel model(kFrequency, kQuality);
+  const AveragedModel model({kFrequency, kQuality});
   RandomCase random(2);
   for (int k = 0; k < 1000; ++k) {
     const Orbit orbit = random.orbit();
@@ -125,7 +126,7 @@ TEST(AveragedModel, JacobianAgreesWithCentralDifferences) {
 }
 
 TEST(AveragedModel, StepHasTheDerivativesOfItself) {
-  const AveragedModel model(kFrequency, kQuality);
+  const AveragedModel model({kFrequency, kQuality});
   RandomCase random(3);
   const double duration = 1e-3;
   for (int k = 0; k < 300; ++k) {
@@ -165,7 +166,7 @@ TEST(AveragedModel, StepHasTheDerivativesOfItself) {
 }
 
 TEST(AveragedModel, StepIsOfSecondOrder) {
-  const AveragedModel model(kFrequency, kQuality);
+  const AveragedModel model({kFrequency, kQuality});
   RandomCase random(4);
   Orbit orbit = random.orbit();
   AveragedInput input = random.input();
@@ -188,7 +189,7 @@ TEST(AveragedModel, StepIsOfSecondOrder) {
 TEST(AveragedModel, DriveTermsAreThePrintedOnesWithTheErrata) {
   // Sustain beta and quadrature alpha of (20) at any phi, against (21)-(24) with the signs
   // corrected.
-  const AveragedModel model(kFrequency, kQuality);
+  const AveragedModel model({kFrequency, kQuality});
   RandomCase random(5);
   for (int k = 0; k < 300; ++k) {
     const Orbit orbit = random.orbit();
@@ -218,7 +219,7 @@ TEST(AveragedModel, DriveTermsAreThePrintedOnesWithTheErrata) {
 }
 
 TEST(AveragedModel, SteeringTurnsThePatternWithItsSign) {
-  const AveragedModel model(kFrequency, kQuality);
+  const AveragedModel model({kFrequency, kQuality});
   const DeviceParameters ideal{0.0, 0.0, 0.0, 0.0, kDevice.drive_gain};
   const double rate = 0.2;
   const double w = kTwoPi * kFrequency;
@@ -319,7 +320,7 @@ Eigen::Vector4d change(const Orbit& from, const Orbit& to) {
 // 300 cycles are 21 ms: the orbit changes by a few hundredths. What the first order leaves out is
 // the slow rates over 2 w of that, 1e-4 at these conditions.
 TEST(AveragedModel, RatesAgreeWithTheTimeDomainAtAnyPhase) {
-  const AveragedModel model(kFrequency, kQuality);
+  const AveragedModel model({kFrequency, kQuality});
   RandomCase random(6);
   for (int k = 0; k < 12; ++k) {
     const Orbit start = random.orbit();
@@ -411,7 +412,7 @@ TEST(AveragedModel, OrbitShrinksAsTheVibrationSpeedsUp) {
   const double time = 100 / kFrequency;
   ASSERT_NEAR(orbits.end.theta - orbits.begin.theta, -turning * time, 1e-4);
   const double chirp = w0 * mu * std::sin(2.0 * angle(middle)) * turning;
-  const double decay = AveragedModel(kFrequency, kQuality).decayRate();
+  const double decay = AveragedModel({kFrequency, kQuality}).decayRate();
   const double shrinks = std::log(orbits.end.a / orbits.begin.a) + decay * time;
   EXPECT_NEAR(shrinks, -0.5 * chirp / w0 * time, 0.01 * 0.5 * chirp / w0 * time);
 
@@ -427,7 +428,7 @@ TEST(AveragedModel, OrbitShrinksAsTheVibrationSpeedsUp) {
   const double step = 1e-6;
   input.drive = driveAt(middle) + Complex(0.0, 0.5 / (w0 * step)) *
                                       (driveAt(middle + 0.5 * step) - driveAt(middle - 0.5 * step));
-  const AxesRates rates = AveragedModel(kFrequency, kQuality)
+  const AxesRates rates = AveragedModel({kFrequency, kQuality})
                               .axesRates({1.0, 0.0, angle(middle), -kPi / 2}, split, input);
   EXPECT_NEAR(rates.rate[0] + decay, -0.5 * chirp / w0, 0.005 * chirp / w0);
 }
@@ -463,7 +464,7 @@ TEST(AveragedModel, DriveThatStepsMovesTheEnvelope) {
 }
 
 TEST(AveragedModel, IntegrateConvergesWithTheFourthPowerOfItsStep) {
-  const AveragedModel model(kFrequency, kQuality);
+  const AveragedModel model({kFrequency, kQuality});
   AveragedInput input;
   input.reference_frequency = kTwoPi * kFrequency;
   input.rotation_rate = 5.0;

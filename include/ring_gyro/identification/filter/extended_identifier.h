@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/identification/filter/block_chain.h"
 #include "ring_gyro/identification/filter/envelope_filter.h"
 #include "ring_gyro/identification/filter/first_look.h"
@@ -56,7 +57,8 @@ struct ExtendedEstimate {
 class ExtendedIdentifier {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
-  ExtendedIdentifier(const ExtendedParameters& parameters, const ConverterParameters& converter);
+  ExtendedIdentifier(const DeviceKnowledge& device, const ExtendedParameters& parameters,
+                     const ConverterParameters& converter);
 
   /// The next block; returns an estimate at each period's end, updated or not. `rotation_rate`:
   /// k Om that acted in the block, as far as known [rad/s]. Does not allocate.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/identification/filter/block_chain.h"
 #include "ring_gyro/identification/filter/first_look.h"
@@ -15,13 +16,14 @@
 
 namespace cvg {
 
+/// Noise of the filter: derived from the figures of the parameters, or the Q and R of the paper.
+enum class Tuning : std::uint8_t { kDerived, kPaper };
+
 struct IdentificationParameters {
-  double natural_frequency = 0.0;  ///< f0 [Hz]
-  double quality_factor = 0.0;     ///< Q
-  double update_period = 0.1;      ///< whole blocks [s]
+  double update_period = 0.1;  ///< whole blocks [s]
   /// derived: from the figures below; paper: the Q and R printed in section 6 of the paper, for
   /// each period, instead of the noise and random walks below.
-  std::string tuning = "derived";
+  Tuning tuning = Tuning::kDerived;
   double noise_density = 5e-6;       ///< of the displacement samples, one-sided [V/sqrt(Hz)]
   double axis_process_noise = 2e-6;  ///< of a' and b' [V/sqrt(s)]
   double initial_gamma_sigma = 0.1;
@@ -35,6 +37,9 @@ struct IdentificationParameters {
   double converged_mu_sigma = 1e-8;
   double converged_drive_gain_sigma = 5e-4;   ///< relative
   double converged_angle = 3.14159265358979;  ///< span of theta that must have been seen [rad]
+
+  /// Blocks in `update_period`. Throws std::invalid_argument when it is not whole.
+  std::int64_t periodBlocks(const ConverterParameters& converter) const;
 
   void declare(ParameterTable& table);
 };
@@ -55,7 +60,8 @@ struct IdentificationParameters {
 class Identifier {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
-  Identifier(const IdentificationParameters& parameters, const ConverterParameters& converter);
+  Identifier(const DeviceKnowledge& device, const IdentificationParameters& parameters,
+             const ConverterParameters& converter);
 
   /// The next block; gives an estimate at each period's end, updated or not, and null otherwise.
   /// It is good until the next call. Elements and gains must carry the same session and sequence,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ring_gyro/common/converter_parameters.h"
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/identification/filter/block_chain.h"
 #include "ring_gyro/identification/filter/first_look.h"
 #include "ring_gyro/identification/model/envelope_model.h"
@@ -35,7 +36,8 @@ struct BatchEstimate {
 class BatchLeastSquares {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
-  BatchLeastSquares(const ExtendedParameters& parameters, const ConverterParameters& converter);
+  BatchLeastSquares(const DeviceKnowledge& device, const ExtendedParameters& parameters,
+                    const ConverterParameters& converter);
 
   /// The next block; one that cannot be used ends the piece. `rotation_rate`: k Om [rad/s].
   void add(const OrbitalElements& elements, const ControlGains& gains, double rotation_rate = 0.0);

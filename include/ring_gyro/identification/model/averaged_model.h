@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
@@ -65,8 +66,9 @@ Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before, const Eigen::Vector2c
 /// do not. Drives enter by one rule at any phi.
 class AveragedModel {
  public:
-  /// f0 [Hz] and Q of the ideal ring; both above zero.
-  AveragedModel(double natural_frequency, double quality_factor);
+  /// Of the ideal ring with the f0 and Q of `device`; throws std::invalid_argument unless both are
+  /// above zero.
+  explicit AveragedModel(const DeviceKnowledge& device);
 
   /// All four rates. The orbit must not be a circle (a^2 = b^2): theta has no rate there.
   OrbitRates rates(const Orbit& orbit, const DeviceParameters& device,

@@ -9,9 +9,7 @@ namespace cvg {
 /// What the extended identifier estimates beside gamma, mu and ks, and from which knowledge it
 /// starts. Each group is switched on its own; what each needs to be seen: docs/observability.md.
 struct ExtendedParameters {
-  double natural_frequency = 0.0;  ///< f0 [Hz]; where `frequency` starts from
-  double quality_factor = 0.0;     ///< Q; where `quality` starts from
-  double update_period = 0.1;      ///< whole blocks [s]
+  double update_period = 0.1;  ///< whole blocks [s]
 
   bool quality = true;                 ///< decay rate xi0 w0
   bool frequency = true;               ///< f0

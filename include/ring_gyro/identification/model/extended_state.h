@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/identification/model/extended_parameters.h"
 
 namespace cvg {
@@ -25,7 +26,7 @@ using ExtendedMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 
 class ExtendedState {
  public:
   /// Throws std::invalid_argument naming what cannot be used or told apart.
-  explicit ExtendedState(const ExtendedParameters& parameters);
+  ExtendedState(const DeviceKnowledge& device, const ExtendedParameters& parameters);
 
   /// Envelope first (re_x, im_x, re_y, im_y), then the parameters.
   const std::vector<std::string>& names() const { return names_; }
@@ -61,8 +62,8 @@ class ExtendedState {
   const Layout& layout() const { return layout_; }
   const std::vector<int>& evenOrders() const { return even_orders_; }
   const std::vector<int>& oddOrders() const { return odd_orders_; }
-  double nominalDecayRate() const { return nominal_decay_rate_; }      ///< [1/s]
-  double nominalFrequency() const { return nominal_frequency_; }       ///< w0 [rad/s]
+  /// f0 and Q where the estimates of them start, and what they are where they are not estimated.
+  const DeviceKnowledge& device() const { return device_; }
   double decayRate(const ExtendedVector& linear) const;                ///< xi0 w0 [1/s]
   double angularFrequency(const ExtendedVector& linear) const;         ///< w0 [rad/s]
   std::complex<double> driveGain(const ExtendedVector& linear) const;  ///< ks e^{-ip} [1/s^2]
@@ -79,8 +80,7 @@ class ExtendedState {
   Layout layout_;
   std::vector<int> even_orders_;
   std::vector<int> odd_orders_;
-  double nominal_decay_rate_;
-  double nominal_frequency_;
+  DeviceKnowledge device_;
 };
 
 }  // namespace cvg
