@@ -97,9 +97,7 @@ void CalibrationNode::process(const cvg::OrbitalElements& elements,
     return;
   }
   last_ = elements.stamp;
-  const cvg::BlockUse use = cvg::useOf(elements, gains, block_duration_ns_);
-  if (use == cvg::BlockUse::kUsable) ++usable_;
-  unusable_.add(use);
+  uses_.add(cvg::useOf(elements, gains, block_duration_ns_));
   if (const std::optional<cvg::CalibrationCommand> command = procedure_.process(elements, gains)) {
     if (!command_ || command->leg != command_->leg) {
       ROS_INFO("%s, %.0f s left", command->leg.c_str(), command->time_left);
@@ -171,7 +169,7 @@ void CalibrationNode::report(diagnostic_updater::DiagnosticStatusWrapper& status
   const cvg::PairMerge::Counts& counts = merge_.counts();
   const std::uint64_t lost = merge_.elementsCounts().lost + merge_.gainsCounts().lost +
                              counts.elements_alone + counts.gains_alone;
-  const std::string none_used = use_.noneSinceLast(usable_, unusable_);
+  const std::string none_used = use_.noneSinceLast(uses_);
   if (!failure_.empty()) {
     status.summary(DiagnosticStatus::ERROR, failure_);
   } else if (!none_used.empty()) {
@@ -188,7 +186,7 @@ void CalibrationNode::report(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("blocks that wait for the other topic", merge_.waiting());
   status.add("partner silent for too long", counts.overdue);
   status.add("ends of other sessions", departure_.foreign());
-  UseWatch::addTo(status, usable_, unusable_);
+  UseWatch::addTo(status, uses_);
   refusals_.addTo(status);
   if (!command_) return;
   status.add("time left [s]", command_->time_left);

@@ -21,8 +21,7 @@ EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle pri
       parameters_(configuration.node),
       report_file_(parameters_.report),
       identifier_(configuration.loop,
-                  [this](const cvg::ParameterEstimate& estimate,
-                         const cvg::StateMatrix& covariance) { take(estimate, covariance); }),
+                  [this](const cvg::ParameterEstimate& estimate) { take(estimate); }),
       estimate_output_(Output::advertise<ring_gyro::ParameterEstimate>(
           handle_, bridge::topics::kParameterEstimate, true)),
       departure_(handle_, configuration.node, host_, {estimate_output_}, [this] { leave(); }),
@@ -57,15 +56,14 @@ void EkfIdentifierNode::start() {
       ros::VoidConstPtr(), no_delay);
 }
 
-void EkfIdentifierNode::take(const cvg::ParameterEstimate& estimate,
-                             const cvg::StateMatrix& covariance) {
-  if (!estimate.value.allFinite() || !covariance.allFinite()) {
+void EkfIdentifierNode::take(const cvg::ParameterEstimate& estimate) {
+  if (!estimate.isFinite()) {
     host_.fail("the estimate of block " + std::to_string(estimate.stamp.sequence) +
                " is not finite");
     return;
   }
   const auto message = boost::make_shared<ring_gyro::ParameterEstimate>();
-  bridge::toMessage(estimate, covariance, *message);
+  bridge::toMessage(estimate, *message);
   estimate_output_.publish(message);
 }
 
@@ -112,7 +110,7 @@ void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& stat
   const cvg::TimeGuard::Counts& gains = now.gains;
   const std::uint64_t lost =
       elements.lost + gains.lost + counts.elements_alone + counts.gains_alone;
-  const std::string none_used = use_.noneSinceLast(now.usable, now.unusable);
+  const std::string none_used = use_.noneSinceLast(now.uses);
   const std::string misfit = now.nis.misfit();
   if (counts.overdue > 0 && counts.pairs == 0) {
     status.summary(DiagnosticStatus::WARN,
@@ -142,15 +140,16 @@ void EkfIdentifierNode::report(diagnostic_updater::DiagnosticStatusWrapper& stat
   status.add("partner silent for too long", counts.overdue);
   status.add("blocks of a session that was left", elements.left_sessions + gains.left_sessions);
   status.add("ends of other sessions", departure_.foreign());
-  UseWatch::addTo(status, now.usable, now.unusable);
+  UseWatch::addTo(status, now.uses);
   refusals_.addTo(status);
   if (!now.estimate) return;
   status.add("used blocks", now.estimate->used_blocks);
   status.add("rejected blocks", now.estimate->rejected_blocks);
   const char* const names[] = {"a [V]", "b [V]", "gamma 1",   "gamma 2",
                                "mu 1",  "mu 2",  "ks [1/s^2]"};
+  const cvg::StateMatrix covariance = now.estimate->covariance.matrix();
   for (int i = 0; i < 7; ++i) {
-    status.addf(names[i], "%.9g +- %.2g", now.estimate->value[i], std::sqrt(now.covariance(i, i)));
+    status.addf(names[i], "%.9g +- %.2g", now.estimate->value[i], std::sqrt(covariance(i, i)));
   }
 }
 

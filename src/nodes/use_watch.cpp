@@ -1,22 +1,22 @@
 #include "ring_gyro/nodes/use_watch.h"
 
+#include "ring_gyro/ros/identification_report.h"
+
 namespace ring_gyro::nodes {
 
-std::string UseWatch::noneSinceLast(std::uint64_t usable, const bridge::UnusableBlocks& unusable) {
-  const bool any_usable = usable != usable_;
-  const bridge::UnusableBlocks recent = unusable - unusable_;
-  usable_ = usable;
-  unusable_ = unusable;
-  if (any_usable || recent.total() == 0) return "";
-  return "none of the last " + std::to_string(recent.total()) +
+std::string UseWatch::noneSinceLast(const cvg::BlockUseCounts& uses) {
+  const cvg::BlockUseCounts recent = uses - last_;
+  last_ = uses;
+  if (recent.usable() > 0 || recent.unusable() == 0) return "";
+  return "none of the last " + std::to_string(recent.unusable()) +
          " blocks can be used: " + bridge::mainReasonOf(recent);
 }
 
-void UseWatch::addTo(diagnostic_updater::DiagnosticStatusWrapper& status, std::uint64_t usable,
-                     const bridge::UnusableBlocks& unusable) {
-  status.add("usable blocks", usable);
-  status.add("unusable blocks", unusable.total());
-  for (const bridge::UnusableReason& reason : bridge::reasonsOf(unusable)) {
+void UseWatch::addTo(diagnostic_updater::DiagnosticStatusWrapper& status,
+                     const cvg::BlockUseCounts& uses) {
+  status.add("usable blocks", uses.usable());
+  status.add("unusable blocks", uses.unusable());
+  for (const bridge::UnusableReason& reason : bridge::reasonsOf(uses)) {
     status.add(std::string("blocks ") + reason.text, reason.blocks);
   }
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "ring_gyro/common/slow_motion.h"
+
 namespace cvg {
 namespace {
 
@@ -14,17 +16,17 @@ constexpr Complex kI{0.0, 1.0};
 
 RingResonator::RingResonator(const ResonatorParameters& parameters)
     : parameters_(parameters), drive_gain_(parameters.driveGain()) {
-  solveSolvent();
+  solveSlowMotion();
 }
 
 void RingResonator::setConditions(double rotation_rate, double temperature) {
   if (rotation_rate == rotation_rate_ && temperature == temperature_) return;
   rotation_rate_ = rotation_rate;
   temperature_ = temperature;
-  solveSolvent();
+  solveSlowMotion();
 }
 
-void RingResonator::solveSolvent() {
+void RingResonator::solveSlowMotion() {
   ++condition_changes_;
   const ResonatorParameters& p = parameters_;
   angular_frequency_ =
@@ -43,25 +45,8 @@ void RingResonator::solveSolvent() {
   stiffness_ << p.mu1, p.mu2, p.mu2, -p.mu1;
   stiffness_ *= w0 * w0;
 
-  // D = S - i w0 is the small solution of D = i ((D + C) D + i w0 C + w0^2 (M - 1)) / (2 w0); each
-  // pass shrinks the error by about |D| / w0. D = P + i Q in real numbers.
-  const double scale = 0.5 / w0;
-  const Eigen::Matrix2d first_p = -0.5 * damping_;
-  const Eigen::Matrix2d first_q = scale * stiffness_;
-  Eigen::Matrix2d p_part = first_p;
-  Eigen::Matrix2d q_part = first_q;
-  for (int pass = 0; pass < 50; ++pass) {
-    const Eigen::Matrix2d damped = p_part + damping_;
-    const Eigen::Matrix2d next_p = first_p - scale * (damped * q_part + q_part * p_part);
-    const Eigen::Matrix2d next_q = first_q + scale * (damped * p_part - q_part * q_part);
-    const double change = (next_p - p_part).squaredNorm() + (next_q - q_part).squaredNorm();
-    p_part = next_p;
-    q_part = next_q;
-    if (change <= 1e-32 * (p_part.squaredNorm() + q_part.squaredNorm())) break;
-  }
-  slow_.real() = p_part;
-  slow_.imag() = q_part;
-  const Eigen::Matrix2d imaginary = q_part + w0 * Eigen::Matrix2d::Identity();
+  slow_ = cvg::slowMotion(w0, damping_, stiffness_);
+  const Eigen::Matrix2d imaginary = slow_.imag() + w0 * Eigen::Matrix2d::Identity();
   inverse_imaginary_ = imaginary.inverse();
 }
 

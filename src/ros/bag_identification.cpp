@@ -122,13 +122,12 @@ BagIdentification::BagIdentification(const std::vector<std::string>& paths,
 
 IdentificationResult BagIdentification::run(const OnEstimate& on_estimate,
                                             const OnProgress& on_progress) {
-  const auto take = [&on_estimate](const cvg::ParameterEstimate& estimate,
-                                   const cvg::StateMatrix& covariance) {
-    if (!estimate.value.allFinite() || !covariance.allFinite()) {
+  const auto take = [&on_estimate](const cvg::ParameterEstimate& estimate) {
+    if (!estimate.isFinite()) {
       throw std::runtime_error("the estimate of block " + std::to_string(estimate.stamp.sequence) +
                                " is not finite");
     }
-    if (on_estimate) on_estimate(estimate, covariance);
+    if (on_estimate) on_estimate(estimate);
   };
   StreamIdentifier identifier(configuration_, take, options_.start_sequence);
   try {

@@ -239,8 +239,8 @@ void fromMessage(const ring_gyro::ControlGains& message, cvg::ControlGains& gain
   gains.status = statusFromMessage(message.status);
 }
 
-void toMessage(const cvg::ParameterEstimate& estimate, const cvg::StateMatrix& covariance,
-               ring_gyro::ParameterEstimate& message) {
+void toMessage(const cvg::ParameterEstimate& estimate, ring_gyro::ParameterEstimate& message) {
+  const cvg::StateMatrix covariance = estimate.covariance.matrix();
   message.header.stamp = timeFromNanoseconds(estimate.stamp.end_ns);
   message.session = estimate.stamp.session;
   message.first_sequence = estimate.first_sequence;
@@ -282,6 +282,8 @@ void fromMessage(const ring_gyro::ParameterEstimate& message, cvg::ParameterEsti
     const int state = cvg::kGamma1 + i;
     estimate.parameter_variance[i] = message.covariance[8 * state];
   }
+  estimate.covariance.set(
+      Eigen::Map<const Eigen::Matrix<double, 7, 7, Eigen::RowMajor>>(message.covariance.data()));
   for (int i = 0; i < 2; ++i) {
     estimate.innovation[i] = message.innovation[i];
     for (int j = 0; j < 2; ++j) {

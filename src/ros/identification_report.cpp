@@ -29,9 +29,9 @@ constexpr State kStates[] = {{"a", "V"},   {"b", "V"},   {"gamma1", "1"}, {"gamm
 std::string number(std::uint64_t value) { return std::to_string(value); }
 
 /// The reasons that occurred: "12 not finite, 3 not locked".
-std::string unusableText(const UnusableBlocks& unusable) {
+std::string unusableText(const cvg::BlockUseCounts& uses) {
   std::string text;
-  for (const UnusableReason& reason : reasonsOf(unusable)) {
+  for (const UnusableReason& reason : reasonsOf(uses)) {
     if (reason.blocks == 0) continue;
     text += (text.empty() ? "" : ", ") + number(reason.blocks) + " " + reason.text;
   }
@@ -57,10 +57,10 @@ std::string noPairs(const IdentificationReport& report) {
 
 std::string noneUsable(const IdentificationReport& report,
                        const cvg::LoopConfiguration& configuration) {
-  const UnusableBlocks& unusable = report.unusable;
-  std::string line = "none of " + number(unusable.total()) +
-                     " blocks can be used: " + unusableText(unusable) + "; ";
-  if (unusable.wrong_duration > 0) {
+  const auto any = [&report](cvg::BlockUse use) { return report.uses.of(use) > 0; };
+  std::string line = "none of " + number(report.uses.unusable()) +
+                     " blocks can be used: " + unusableText(report.uses) + "; ";
+  if (any(cvg::BlockUse::kWrongDuration)) {
     line += cvg::formatted(
         "blocks last %g s, the configuration says %g s: set converter/sample_rate and "
         "converter/block_samples",
@@ -68,11 +68,11 @@ std::string noneUsable(const IdentificationReport& report,
         configuration.converter.blockDuration());
   } else if (!report.first_refused.empty()) {
     line += "check what recorded a, b, theta, phi and the drive, first " + report.first_refused;
-  } else if (unusable.not_finite > 0 || unusable.no_amplitude > 0) {
+  } else if (any(cvg::BlockUse::kNotFinite) || any(cvg::BlockUse::kNoAmplitude)) {
     line += "check what recorded a, b, theta, phi and the drive";
-  } else if (unusable.no_frequency > 0) {
+  } else if (any(cvg::BlockUse::kNoFrequency)) {
     line += "check what recorded the reference frequency";
-  } else if (unusable.group_delay > 0) {
+  } else if (any(cvg::BlockUse::kGroupDelay)) {
     line += "check the group delay, in seconds";
   } else {
     line += "record on until all loops have locked";
@@ -132,7 +132,7 @@ Json countsJson(const IdentificationReport& report) {
   addIfAny(counts, "partner_overdue", report.pairs.overdue);
   addIfAny(counts, "left_sessions", report.elements.left_sessions + report.gains.left_sessions);
   Json& unusable = counts["unusable"] = Json::object();
-  for (const UnusableReason& reason : reasonsOf(report.unusable)) {
+  for (const UnusableReason& reason : reasonsOf(report.uses)) {
     if (reason.always || reason.blocks > 0) unusable[reason.key] = reason.blocks;
   }
   return counts;
@@ -191,14 +191,15 @@ Json resultJson(const IdentificationResult& result, const cvg::LoopConfiguration
                   {"last_stamp_ns", report.last.end_ns}};
   if (const auto& estimate = report.estimate) {
     Json& parameters = json["parameters"] = Json::object();
+    const cvg::StateMatrix covariance = estimate->covariance.matrix();
     for (int i = 0; i < 7; ++i) {
       parameters[kStates[i].name] = {{"value", jsonNumber(estimate->value[i])},
-                                     {"sigma", jsonNumber(std::sqrt(report.covariance(i, i)))},
+                                     {"sigma", jsonNumber(std::sqrt(covariance(i, i)))},
                                      {"unit", kStates[i].unit}};
     }
     json["residual_gamma"] = {jsonNumber(estimate->residual_gamma1),
                               jsonNumber(estimate->residual_gamma2)};
-    json["covariance"] = covarianceJson(report.covariance);
+    json["covariance"] = covarianceJson(covariance);
     json["angle_covered_rad"] = jsonNumber(estimate->angle_covered);
     json["estimate_sequence"] = estimate->stamp.sequence;
   } else {
@@ -221,73 +222,27 @@ void addParameters(std::string& text, const cvg::ParameterEstimate& estimate) {
 
 }  // namespace
 
-void UnusableBlocks::add(cvg::BlockUse use) {
-  switch (use) {
-    case cvg::BlockUse::kUsable:
-      return;
-    case cvg::BlockUse::kNotFinite:
-      ++not_finite;
-      return;
-    case cvg::BlockUse::kOtherBlock:
-    case cvg::BlockUse::kImpossible:
-      ++impossible;
-      return;
-    case cvg::BlockUse::kContradiction:
-      ++contradiction;
-      return;
-    case cvg::BlockUse::kWrongDuration:
-      ++wrong_duration;
-      return;
-    case cvg::BlockUse::kNoAmplitude:
-      ++no_amplitude;
-      return;
-    case cvg::BlockUse::kInvalidSamples:
-      ++invalid_samples;
-      return;
-    case cvg::BlockUse::kSaturated:
-      ++saturated;
-      return;
-    case cvg::BlockUse::kNotLocked:
-      ++not_locked;
-      return;
-    case cvg::BlockUse::kNoFrequency:
-      ++no_frequency;
-      return;
-    case cvg::BlockUse::kGroupDelay:
-      ++group_delay;
-      return;
-  }
+std::vector<UnusableReason> reasonsOf(const cvg::BlockUseCounts& uses) {
+  using cvg::BlockUse;
+  const auto of = [&uses](BlockUse use) { return uses.of(use); };
+  return {
+      {"not_finite", "not finite", of(BlockUse::kNotFinite), true},
+      {"no_amplitude", "without amplitude (a not above |b|)", of(BlockUse::kNoAmplitude), true},
+      {"wrong_duration", "of another duration than configured", of(BlockUse::kWrongDuration), true},
+      {"invalid_samples", "with invalid samples", of(BlockUse::kInvalidSamples), true},
+      {"saturated", "saturated", of(BlockUse::kSaturated), true},
+      {"not_locked", "not locked", of(BlockUse::kNotLocked), true},
+      {"impossible", "with impossible numbers",
+       of(BlockUse::kImpossible) + of(BlockUse::kOtherBlock), false},
+      {"contradiction", "whose drive contradicts its parts", of(BlockUse::kContradiction), false},
+      {"no_frequency", "without a reference frequency", of(BlockUse::kNoFrequency), false},
+      {"group_delay", "with too long a group delay", of(BlockUse::kGroupDelay), false},
+      {"after_break", "with one of these still in the demodulator", of(BlockUse::kAfterBreak),
+       false}};
 }
 
-UnusableBlocks UnusableBlocks::operator-(const UnusableBlocks& earlier) const {
-  return {not_finite - earlier.not_finite,         no_amplitude - earlier.no_amplitude,
-          wrong_duration - earlier.wrong_duration, invalid_samples - earlier.invalid_samples,
-          saturated - earlier.saturated,           not_locked - earlier.not_locked,
-          impossible - earlier.impossible,         contradiction - earlier.contradiction,
-          no_frequency - earlier.no_frequency,     group_delay - earlier.group_delay};
-}
-
-std::uint64_t UnusableBlocks::total() const {
-  std::uint64_t sum = 0;
-  for (const UnusableReason& reason : reasonsOf(*this)) sum += reason.blocks;
-  return sum;
-}
-
-std::vector<UnusableReason> reasonsOf(const UnusableBlocks& unusable) {
-  return {{"not_finite", "not finite", unusable.not_finite, true},
-          {"no_amplitude", "without amplitude (a not above |b|)", unusable.no_amplitude, true},
-          {"wrong_duration", "of another duration than configured", unusable.wrong_duration, true},
-          {"invalid_samples", "with invalid samples", unusable.invalid_samples, true},
-          {"saturated", "saturated", unusable.saturated, true},
-          {"not_locked", "not locked", unusable.not_locked, true},
-          {"impossible", "with impossible numbers", unusable.impossible, false},
-          {"contradiction", "whose drive contradicts its parts", unusable.contradiction, false},
-          {"no_frequency", "without a reference frequency", unusable.no_frequency, false},
-          {"group_delay", "with too long a group delay", unusable.group_delay, false}};
-}
-
-std::string mainReasonOf(const UnusableBlocks& unusable) {
-  const std::vector<UnusableReason> reasons = reasonsOf(unusable);
+std::string mainReasonOf(const cvg::BlockUseCounts& uses) {
+  const std::vector<UnusableReason> reasons = reasonsOf(uses);
   const auto most = std::max_element(
       reasons.begin(), reasons.end(),
       [](const UnusableReason& a, const UnusableReason& b) { return a.blocks < b.blocks; });
@@ -301,7 +256,7 @@ std::string failureOf(const IdentificationReport& report,
     return "no block from the start sequence on, the last is " + number(report.last.sequence) +
            ": give a smaller --start-sequence";
   }
-  if (report.usable == 0) return noneUsable(report, configuration);
+  if (report.uses.usable() == 0) return noneUsable(report, configuration);
   if (report.nis.updates == 0) {
     return cvg::formatted(
         "no two whole periods of %g s with usable blocks only: record for longer, or set "
@@ -345,16 +300,21 @@ std::vector<std::string> faultsOf(const IdentificationReport& report,
       cvg::formatted("of those alone because the other topic was silent for %zu blocks",
                      cvg::PairMerge::kMostWaiting));
   if (!report.first_refused.empty()) faults.push_back("refused " + report.first_refused);
-  add(report.unusable.not_finite, "blocks with numbers that are not finite, left out");
-  add(report.unusable.no_amplitude, "blocks with a not above |b|, left out");
-  add(report.unusable.wrong_duration, "blocks of another duration than configured, left out");
-  add(report.unusable.impossible, "blocks with impossible numbers, left out");
-  add(report.unusable.contradiction, "blocks whose drive contradicts its parts, left out");
-  add(report.unusable.no_frequency, "blocks without a reference frequency, left out");
-  add(report.unusable.group_delay, "blocks with too long a group delay, left out");
-  if (report.usable > 0) {
+  add(report.uses.of(cvg::BlockUse::kNotFinite),
+      "blocks with numbers that are not finite, left out");
+  add(report.uses.of(cvg::BlockUse::kNoAmplitude), "blocks with a not above |b|, left out");
+  add(report.uses.of(cvg::BlockUse::kWrongDuration),
+      "blocks of another duration than configured, left out");
+  add(report.uses.of(cvg::BlockUse::kImpossible) + report.uses.of(cvg::BlockUse::kOtherBlock),
+      "blocks with impossible numbers, left out");
+  add(report.uses.of(cvg::BlockUse::kContradiction),
+      "blocks whose drive contradicts its parts, left out");
+  add(report.uses.of(cvg::BlockUse::kNoFrequency),
+      "blocks without a reference frequency, left out");
+  add(report.uses.of(cvg::BlockUse::kGroupDelay), "blocks with too long a group delay, left out");
+  if (report.uses.usable() > 0) {
     const double frequency =
-        report.frequency_sum / static_cast<double>(report.usable) / cvg::kTwoPi;
+        report.frequency_sum / static_cast<double>(report.uses.usable()) / cvg::kTwoPi;
     const double configured = configuration.device.natural_frequency;
     if (!(std::abs(frequency - configured) < kFrequencyTolerance * configured)) {
       faults.push_back(
@@ -393,7 +353,7 @@ std::string identificationText(const IdentificationResult& result,
                          static_cast<unsigned long long>(estimate.rejected_blocks),
                          static_cast<unsigned long long>(estimate.lost_blocks),
                          static_cast<unsigned long long>(report.elements.steps_back));
-  const std::string unusable = unusableText(report.unusable);
+  const std::string unusable = unusableText(report.uses);
   if (!unusable.empty()) text += cvg::formatted("  %-12s %s\n", "unusable", unusable.c_str());
   text += consistencyText("filter", report.nis.updates, report.nis.sum);
   text += consistencyText("  converged", report.nis.updates_converged, report.nis.sum_converged);

@@ -27,7 +27,7 @@ void LoopRecorder::write(const cvg::LoopRecord& record) {
   toMessage(record.loops.gains, gains_);
   write(topics::kControlGains, gains_);
   if (record.estimate) {
-    toMessage(*record.estimate, record.identifier.covariance(), estimate_);
+    toMessage(*record.estimate, estimate_);
     write(topics::kParameterEstimate, estimate_);
   }
   if (record.decision) {

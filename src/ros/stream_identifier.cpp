@@ -63,21 +63,17 @@ void StreamIdentifier::process(const cvg::OrbitalElements& elements,
   count(elements, gains);
   if (!estimate) return;
   account(*estimate);
-  sink_(*estimate, identifier_.covariance());
+  sink_(*report_.estimate);
 }
 
-/// By the identifier's own rule: what it does not count as usable it does not use.
+/// By the identifier's own rule: what it does not call usable it does not use.
 void StreamIdentifier::count(const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
   const cvg::BlockUse use = identifier_.lastUse();
-  if (use == cvg::BlockUse::kUsable) {
-    ++report_.usable;
-    report_.frequency_sum += gains.reference_frequency;
-  } else {
-    if (use == cvg::BlockUse::kWrongDuration && report_.unusable.wrong_duration == 0) {
-      report_.wrong_duration_ns = elements.stamp.duration_ns;
-    }
-    report_.unusable.add(use);
+  if (use == cvg::BlockUse::kUsable) report_.frequency_sum += gains.reference_frequency;
+  if (use == cvg::BlockUse::kWrongDuration && report_.uses.of(use) == 0) {
+    report_.wrong_duration_ns = elements.stamp.duration_ns;
   }
+  report_.uses.add(use);
 }
 
 void StreamIdentifier::account(const cvg::ParameterEstimate& estimate) {
@@ -97,7 +93,6 @@ IdentificationReport StreamIdentifier::report() const {
   report.elements = merge_.elementsCounts();
   report.gains = merge_.gainsCounts();
   report.filter_restarts = identifier_.restarts();
-  report.covariance = identifier_.covariance();
   return report;
 }
 

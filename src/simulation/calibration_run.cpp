@@ -11,6 +11,7 @@ CalibrationRun::CalibrationRun(const LoopConfiguration& configuration)
       procedure_(configuration.device, configuration.calibration_run, configuration.extended,
                  configuration.converter, static_cast<std::int64_t>(configuration.periodBlocks()),
                  configuration.corrections),
+      commands_(configuration.periodBlocks()),
       start_ns_(configuration.run.startNanoseconds()) {}
 
 CalibrationRun::Step CalibrationRun::step() {
@@ -19,13 +20,12 @@ CalibrationRun::Step CalibrationRun::step() {
   started_ = true;
   truth_ = plant_.truth();
   const std::uint64_t acts_in = block.stamp.sequence + 1;
-  while (!pending_.empty() && pending_.front().effective_sequence <= acts_in) {
-    loops_.setSettings(pending_.front().settings);
-    pending_.pop_front();
-  }
+  commands_.applyDue(block.stamp.session, acts_in, [this](const CalibrationCommand& command) {
+    loops_.setSettings(command.settings);
+  });
   output_ = &loops_.process(block);
   command_ = procedure_.process(output_->elements, output_->gains);
-  if (command_) pending_.push_back(*command_);
+  if (command_) commands_.add(*command_);
   return {truth_, *output_, command_};
 }
 

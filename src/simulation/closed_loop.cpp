@@ -13,6 +13,7 @@ ClosedLoop::ClosedLoop(const LoopConfiguration& configuration)
       identifier_(configuration.device, configuration.identification, configuration.converter),
       injector_(configuration.device, configuration.compensation, identifier_.periodBlocks()),
       compensation_(configuration.control.compensation),
+      decisions_(configuration.periodBlocks()),
       start_ns_(configuration.run.startNanoseconds()) {}
 
 LoopRecord ClosedLoop::step() {
@@ -22,17 +23,16 @@ LoopRecord ClosedLoop::step() {
 
   // The command that answers this block acts in the next one.
   const std::uint64_t acts_in = block.stamp.sequence + 1;
-  if (waiting_ != nullptr && waiting_->effective_sequence <= acts_in) {
-    loops_.setCompensation(waiting_->gains);
-    waiting_ = nullptr;
-  }
+  decisions_.applyDue(block.stamp.session, acts_in, [this](const CompensationDecision& decision) {
+    loops_.setCompensation(decision.gains);
+  });
   output_ = &loops_.process(block);
 
   const ParameterEstimate* const estimate = identifier_.process(output_->elements, output_->gains);
   const CompensationDecision* const decision =
       estimate != nullptr ? &injector_.decide(*estimate) : nullptr;
-  if (compensation_ && decision != nullptr) waiting_ = decision;
-  return {block, *output_, estimate, decision, plant_, identifier_};
+  if (compensation_ && decision != nullptr) decisions_.add(*decision);
+  return {block, *output_, estimate, decision, plant_};
 }
 
 double ClosedLoop::time() const {

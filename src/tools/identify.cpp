@@ -106,8 +106,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
 class EstimateRecorder {
  public:
   explicit EstimateRecorder(const std::string& path) : writer_(path) {}
-  void write(const cvg::ParameterEstimate& estimate, const cvg::StateMatrix& covariance) {
-    bridge::toMessage(estimate, covariance, message_);
+  void write(const cvg::ParameterEstimate& estimate) {
+    bridge::toMessage(estimate, message_);
     writer_.write(bridge::topics::kParameterEstimate, message_);
   }
   void finish() { writer_.finish(); }
@@ -171,8 +171,8 @@ class Identification {
     bridge::BagIdentification::OnEstimate on_estimate;
     if (!arguments_.estimates_file.empty()) {
       recorder = std::make_unique<EstimateRecorder>(arguments_.estimates_file);
-      on_estimate = [&recorder](const cvg::ParameterEstimate& e, const cvg::StateMatrix& c) {
-        recorder->write(e, c);
+      on_estimate = [&recorder](const cvg::ParameterEstimate& estimate) {
+        recorder->write(estimate);
       };
     }
     bridge::IdentificationResult result =

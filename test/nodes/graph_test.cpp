@@ -113,7 +113,7 @@ TEST(Graph, SendsWhatTheLoopInOneProcessComputes) {
     truths.expectNext(truth_message);
     if (!record.estimate) continue;
     last = *record.estimate;
-    bridge::toMessage(last, record.identifier.covariance(), estimate_message);
+    bridge::toMessage(last, estimate_message);
     estimates.expectNext(estimate_message);
     if (!compensated) continue;
     bridge::toMessage(*record.decision, estimate_message.header.stamp, decision_message);

@@ -37,7 +37,7 @@ TEST(Replay, GivesTheEstimatesOfTheRun) {
       last = record.displacement.stamp;
       if (!record.estimate) continue;
       Estimate message;
-      bridge::toMessage(*record.estimate, record.identifier.covariance(), message);
+      bridge::toMessage(*record.estimate, message);
       expected.push_back(bytesOf(message));
     }
     recorder.finish(last);

@@ -73,7 +73,7 @@ inline std::vector<ring_gyro::ParameterEstimate> recordRun(
     recorder.write(record);
     if (record.estimate) {
       estimates.emplace_back();
-      bridge::toMessage(*record.estimate, record.identifier.covariance(), estimates.back());
+      bridge::toMessage(*record.estimate, estimates.back());
     }
     last = record.displacement.stamp;
   }

@@ -54,11 +54,10 @@ class BagIdentificationTest : public testing::Test {
                              const bridge::BagIdentificationOptions& options = {}) {
     Identified run;
     bridge::BagIdentification identification(bags, *configuration_, options);
-    run.result = identification.run(
-        [&run](const cvg::ParameterEstimate& estimate, const cvg::StateMatrix& covariance) {
-          run.estimates.emplace_back();
-          bridge::toMessage(estimate, covariance, run.estimates.back());
-        });
+    run.result = identification.run([&run](const cvg::ParameterEstimate& estimate) {
+      run.estimates.emplace_back();
+      bridge::toMessage(estimate, run.estimates.back());
+    });
     return run;
   }
 
@@ -117,7 +116,7 @@ TEST_F(BagIdentificationTest, StartSequenceIsAnIdentifierStartedThere) {
     if (i < 1537) continue;
     if (const auto estimate = identifier.process(record.loops.elements, record.loops.gains)) {
       expected.emplace_back();
-      bridge::toMessage(*estimate, identifier.covariance(), expected.back());
+      bridge::toMessage(*estimate, expected.back());
     }
   }
   bridge::BagIdentificationOptions options;

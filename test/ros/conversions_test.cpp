@@ -179,6 +179,7 @@ TEST(Conversions, ParameterEstimate) {
     covariance(i, i) = std::abs(covariance(i, i));
   }
   estimate.parameter_variance = covariance.diagonal().tail<5>();
+  estimate.covariance.set(covariance);
   estimate.innovation = {values.next(), values.next()};
   estimate.innovation_covariance << values.next(), values.next(), values.next(), values.next();
   estimate.normalised_innovation_squared = values.next();
@@ -188,10 +189,10 @@ TEST(Conversions, ParameterEstimate) {
   estimate.converged = true;
   expectSameBits<ring_gyro::ParameterEstimate>(
       estimate, [&](const cvg::ParameterEstimate& from, ring_gyro::ParameterEstimate& to) {
-        bridge::toMessage(from, covariance, to);
+        bridge::toMessage(from, to);
       });
   ring_gyro::ParameterEstimate message;
-  bridge::toMessage(estimate, covariance, message);
+  bridge::toMessage(estimate, message);
   for (int i = 0; i < 7; ++i) EXPECT_EQ(message.sigma[i], std::sqrt(covariance(i, i))) << i;
 }
 

@@ -83,7 +83,7 @@ Messages runLoop(std::uint64_t blocks, OnBlock on_block) {
     bridge::toMessage(record.loops.gains, messages.gains);
     bridge::toMessage(record.truth(), messages.truth);
     if (record.estimate) {
-      bridge::toMessage(*record.estimate, record.identifier.covariance(), messages.estimate);
+      bridge::toMessage(*record.estimate, messages.estimate);
       bridge::toMessage(*record.decision, messages.estimate.header.stamp, messages.decision);
     }
     on_block(messages, record.estimate != nullptr);
@@ -266,7 +266,7 @@ TEST(BlockUse, AgreesWithWhatTheChainAdmits) {
   good_elements.group_delay = 0.4e-3;  // less than half a block: no memory
   std::mt19937 random(5);
   int admitted = 0;
-  std::array<int, 12> seen{};
+  cvg::BlockUseCounts seen;
   for (int i = 0; i < 20000; ++i) {
     cvg::OrbitalElements e = good_elements;
     cvg::ControlGains g = good_gains;
@@ -294,17 +294,22 @@ TEST(BlockUse, AgreesWithWhatTheChainAdmits) {
     if (random() % 16 == 0) e.status.refused = static_cast<cvg::Refusal>(random() % 4);
     if (random() % 16 == 0) e.stamp.duration_ns += 1;
     if (random() % 32 == 0) ++g.stamp.sequence;
+    if (random() % 16 == 0) e.group_delay = 0.7e-3;  // a block before must have been there
     cvg::BlockChain chain(1000000);
-    const bool used = chain.admit(e, g, 0.0);
-    EXPECT_EQ(used, chain.lastUse() == cvg::BlockUse::kUsable) << i;
-    if (chain.lastUse() != cvg::BlockUse::kGroupDelay && !(e.group_delay < 0.0)) {
-      EXPECT_EQ(chain.lastUse(), cvg::useOf(e, g, 1000000)) << i;
+    const cvg::BlockUse use = chain.admit(e, g, 0.0);
+    if (use == cvg::BlockUse::kAfterBreak) {
+      EXPECT_GT(e.group_delay, 0.0);
+      EXPECT_EQ(cvg::useOf(e, g, 1000000), cvg::BlockUse::kUsable) << i;
+    } else if (use != cvg::BlockUse::kGroupDelay && !(e.group_delay < 0.0)) {
+      EXPECT_EQ(use, cvg::useOf(e, g, 1000000)) << i;
     }
-    if (used) ++admitted;
-    ++seen[static_cast<std::size_t>(chain.lastUse())];
+    if (use == cvg::BlockUse::kUsable || use == cvg::BlockUse::kAfterBreak) ++admitted;
+    seen.add(use);
   }
   EXPECT_GT(admitted, 1000);
-  for (std::size_t use = 0; use < seen.size(); ++use) EXPECT_GT(seen[use], 0) << use;
+  for (std::size_t use = 0; use < seen.blocks.size(); ++use) EXPECT_GT(seen.blocks[use], 0u) << use;
+  EXPECT_EQ(seen.usable() + seen.unusable(), 20000u);
+  EXPECT_EQ((seen - seen).unusable(), 0u);
 }
 
 }  // namespace

@@ -60,8 +60,7 @@ class CalibrationNode {
   cvg::ControlGains gains_;
   std::int64_t block_duration_ns_;
   Refusals refusals_;
-  std::uint64_t usable_ = 0;
-  bridge::UnusableBlocks unusable_;
+  cvg::BlockUseCounts uses_;
   UseWatch use_;
   std::optional<cvg::BlockStamp> last_;
   std::optional<cvg::CalibrationCommand> command_;

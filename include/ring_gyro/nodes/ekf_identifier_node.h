@@ -33,7 +33,7 @@ class EkfIdentifierNode {
 
  private:
   void start();
-  void take(const cvg::ParameterEstimate& estimate, const cvg::StateMatrix& covariance);
+  void take(const cvg::ParameterEstimate& estimate);
   template <typename Message>
   void add(const char* topic, const Message& message);
   void leave();

@@ -2,10 +2,9 @@
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 
-#include <cstdint>
 #include <string>
 
-#include "ring_gyro/ros/identification_report.h"
+#include "ring_gyro/identification/filter/block_use.h"
 
 namespace ring_gyro::nodes {
 
@@ -14,14 +13,13 @@ class UseWatch {
  public:
   /// Counts of all so far; gives "none of the last 1000 blocks can be used: 1000 not locked", empty
   /// when one could, or when none came.
-  std::string noneSinceLast(std::uint64_t usable, const bridge::UnusableBlocks& unusable);
+  std::string noneSinceLast(const cvg::BlockUseCounts& uses);
 
-  static void addTo(diagnostic_updater::DiagnosticStatusWrapper& status, std::uint64_t usable,
-                    const bridge::UnusableBlocks& unusable);
+  static void addTo(diagnostic_updater::DiagnosticStatusWrapper& status,
+                    const cvg::BlockUseCounts& uses);
 
  private:
-  std::uint64_t usable_ = 0;
-  bridge::UnusableBlocks unusable_;
+  cvg::BlockUseCounts last_;
 };
 
 }  // namespace ring_gyro::nodes

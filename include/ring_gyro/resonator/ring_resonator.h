@@ -80,7 +80,7 @@ class RingResonator {
   double driveGain() const { return drive_gain_; }
 
  private:
-  void solveSolvent();
+  void solveSlowMotion();
   Eigen::Vector2cd expand(const Eigen::Vector2cd& free, const Eigen::Vector2cd& forced,
                           double drift);
 

@@ -41,8 +41,7 @@ void toMessage(const cvg::ControlGains& gains, ring_gyro::ControlGains& message)
 /// which then stands as the sustain drive.
 void fromMessage(const ring_gyro::ControlGains& message, cvg::ControlGains& gains);
 
-void toMessage(const cvg::ParameterEstimate& estimate, const cvg::StateMatrix& covariance,
-               ring_gyro::ParameterEstimate& message);
+void toMessage(const cvg::ParameterEstimate& estimate, ring_gyro::ParameterEstimate& message);
 void fromMessage(const ring_gyro::ParameterEstimate& message, cvg::ParameterEstimate& estimate);
 
 /// `data_stamp`: end of the data that the decision came from.

@@ -14,24 +14,6 @@
 
 namespace ring_gyro::bridge {
 
-/// Pairs that could not be used, by the first reason found (BlockUse).
-struct UnusableBlocks {
-  std::uint64_t not_finite = 0;
-  std::uint64_t no_amplitude = 0;    ///< a not above |b|: all zero, or no ellipse
-  std::uint64_t wrong_duration = 0;  ///< of the block, against the configuration
-  std::uint64_t invalid_samples = 0;
-  std::uint64_t saturated = 0;  ///< converter or drive
-  std::uint64_t not_locked = 0;
-  std::uint64_t impossible = 0;     ///< a number that cannot be, such as a negative group delay
-  std::uint64_t contradiction = 0;  ///< a drive that is not the sum of its parts
-  std::uint64_t no_frequency = 0;   ///< a reference frequency that is not above zero
-  std::uint64_t group_delay = 0;    ///< longer than the identifier remembers
-
-  void add(cvg::BlockUse use);
-  UnusableBlocks operator-(const UnusableBlocks& earlier) const;
-  std::uint64_t total() const;
-};
-
 /// A reason and how many blocks it was found against.
 struct UnusableReason {
   const char* key;   ///< for programs
@@ -40,14 +22,13 @@ struct UnusableReason {
   bool always;  ///< in reports also when it did not occur
 };
 /// Every reason, those that never occurred too.
-std::vector<UnusableReason> reasonsOf(const UnusableBlocks& unusable);
+std::vector<UnusableReason> reasonsOf(const cvg::BlockUseCounts& uses);
 /// The reason of most, "5500 not locked"; empty when there is none.
-std::string mainReasonOf(const UnusableBlocks& unusable);
+std::string mainReasonOf(const cvg::BlockUseCounts& uses);
 
 /// What identification made of a stream of messages, live, replayed or read from a bag.
 struct IdentificationReport {
   std::optional<cvg::ParameterEstimate> estimate;  ///< the last
-  cvg::StateMatrix covariance = cvg::StateMatrix::Zero();
   cvg::BlockStamp first;  ///< first pair that the filter saw, of the last start
   cvg::BlockStamp last;   ///< last pair
   /// Of the last start of the filter: data from its first block until it first said converged [s].
@@ -58,13 +39,12 @@ struct IdentificationReport {
   cvg::PairMerge::Counts pairs;
   cvg::TimeGuard::Counts elements;
   cvg::TimeGuard::Counts gains;
-  std::uint64_t alone_at_start = 0;  ///< part of pairs.*_alone: cut off where recording began
-  std::uint64_t alone_at_end = 0;    ///< and where it ended
-  std::uint64_t before_start = 0;    ///< pairs before the sequence that was asked for
-  UnusableBlocks unusable;
+  std::uint64_t alone_at_start = 0;    ///< part of pairs.*_alone: cut off where recording began
+  std::uint64_t alone_at_end = 0;      ///< and where it ended
+  std::uint64_t before_start = 0;      ///< pairs before the sequence that was asked for
+  cvg::BlockUseCounts uses;            ///< of the pairs, by the identifier's own rule
   std::string first_refused;           ///< the first message with numbers that cannot be, and why
   double frequency_sum = 0.0;          ///< of the NCO over usable blocks [rad/s]
-  std::uint64_t usable = 0;            ///< blocks with nothing wrong
   std::int64_t wrong_duration_ns = 0;  ///< the first duration that was wrong
 
   std::uint64_t not_delivered = 0;  ///< messages in the bag that its replay did not deliver

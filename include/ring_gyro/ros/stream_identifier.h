@@ -17,8 +17,7 @@ namespace ring_gyro::bridge {
 /// bags feed the very same object, which is why their estimates are the same to the last bit.
 class StreamIdentifier {
  public:
-  using Sink =
-      std::function<void(const cvg::ParameterEstimate&, const cvg::StateMatrix& covariance)>;
+  using Sink = std::function<void(const cvg::ParameterEstimate&)>;
 
   /// `sink` gets each estimate. `start_sequence`: the filter sees nothing before the first pair
   /// with this sequence or a later one, as one that was started there.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <utility>
+#include <vector>
 
 namespace cvg {
 
@@ -28,7 +28,9 @@ class DecisionQueue {
   };
 
   /// `period_blocks`: from one decision to the next.
-  explicit DecisionQueue(std::uint64_t period_blocks) : period_blocks_(period_blocks) {}
+  explicit DecisionQueue(std::uint64_t period_blocks) : period_blocks_(period_blocks) {
+    waiting_.reserve(kMostWaiting + 1);
+  }
 
   /// Takes a decision that has come.
   void add(Decision decision) {
@@ -77,17 +79,16 @@ class DecisionQueue {
                        [session](const Decision& decision) { return decision.session != session; });
     counts_.foreign += static_cast<std::uint64_t>(waiting_.end() - foreign);
     waiting_.erase(foreign, waiting_.end());
-    while (!waiting_.empty() && waiting_.front().effective_sequence <= acts_in) {
-      apply(waiting_.front());
-      waiting_.pop_front();
-    }
+    auto due = waiting_.begin();
+    for (; due != waiting_.end() && due->effective_sequence <= acts_in; ++due) apply(*due);
+    waiting_.erase(waiting_.begin(), due);
   }
 
   const Counts& counts() const { return counts_; }
 
  private:
   std::uint64_t period_blocks_;
-  std::deque<Decision> waiting_;
+  std::vector<Decision> waiting_;  // in the order of their blocks
   bool applied_any_ = false;
   std::uint32_t session_ = 0;
   std::uint64_t first_applied_ = 0;  // block, of the session

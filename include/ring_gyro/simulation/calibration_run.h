@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 
 #include "ring_gyro/calibration/calibration_procedure.h"
 #include "ring_gyro/control/control_loops.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 #include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/decision_queue.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace cvg {
@@ -34,9 +34,9 @@ class CalibrationRun {
   PlantSimulator plant_;
   ControlLoops loops_;
   CalibrationProcedure procedure_;
+  DecisionQueue<CalibrationCommand> commands_;
   std::int64_t start_ns_;
   bool started_ = false;
-  std::deque<CalibrationCommand> pending_;
   PlantTruth truth_;
   const LoopOutput* output_ = nullptr;
   std::optional<CalibrationCommand> command_;

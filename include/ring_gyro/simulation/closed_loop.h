@@ -7,6 +7,7 @@
 #include "ring_gyro/identification/filter/identifier.h"
 #include "ring_gyro/resonator/plant_simulator.h"
 #include "ring_gyro/signals/compensation_decision.h"
+#include "ring_gyro/signals/decision_queue.h"
 #include "ring_gyro/simulation/loop_configuration.h"
 
 namespace cvg {
@@ -18,7 +19,6 @@ struct LoopRecord {
   const ParameterEstimate* estimate;     ///< null but at the end of a period
   const CompensationDecision* decision;  ///< null but when there is an estimate
   const PlantSimulator& plant;
-  const Identifier& identifier;  ///< has the covariance of the estimate
 
   /// Worked out when asked for.
   PlantTruth truth() const { return plant.truth(); }
@@ -46,11 +46,9 @@ class ClosedLoop {
   Identifier identifier_;
   CompensationInjector injector_;
   bool compensation_;
+  DecisionQueue<CompensationDecision> decisions_;
   bool started_ = false;
   std::int64_t start_ns_;
-  // Has yet to act: it does so a period after its data, just before the injector makes the next one
-  // in its place.
-  const CompensationDecision* waiting_ = nullptr;
   std::int64_t end_ns_ = 0;  // of the last block
   const LoopOutput* output_ = nullptr;
 };

@@ -16,8 +16,8 @@ BlockChain::BlockChain(std::int64_t block_duration_ns)
   for (auto& kind : memory_) kind.fill(1.0);
 }
 
-bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gains,
-                       double rotation_rate) {
+BlockUse BlockChain::admit(const OrbitalElements& elements, const ControlGains& gains,
+                           double rotation_rate) {
   const BlockStamp& stamp = elements.stamp;
   const Orbit& orbit = elements.orbit;
   const Eigen::Vector2cd total = gains.drive.total();
@@ -35,11 +35,9 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
       gains.status.usable() && std::abs(orbit.b) < orbit.a && gains.reference_frequency > 0.0 &&
       magnitudes[0] + magnitudes[1] < kLargestBlock;  // false for NaN
   if (!usable) {
-    use_ = useOf(elements, gains, magnitudes[0] + magnitudes[1], block_duration_ns_);
     usable_run_ = 0;
-    return false;
+    return useOf(elements, gains, magnitudes[0] + magnitudes[1], block_duration_ns_);
   }
-  use_ = BlockUse::kUsable;
   const bool follows = usable_run_ > 0 && stamp.session == last_stamp_.session &&
                        stamp.sequence == last_stamp_.sequence + 1 &&
                        stamp.end_ns - last_stamp_.end_ns == block_duration_ns_ &&
@@ -47,8 +45,7 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
   if (!follows) {
     usable_run_ = 0;
     if (!setDelay(elements.group_delay, stamp.duration())) {
-      use_ = elements.group_delay < 0.0 ? BlockUse::kImpossible : BlockUse::kGroupDelay;
-      return false;
+      return elements.group_delay < 0.0 ? BlockUse::kImpossible : BlockUse::kGroupDelay;
     }
   }
   const std::size_t at = stamp.sequence % kMemory;
@@ -68,7 +65,7 @@ bool BlockChain::admit(const OrbitalElements& elements, const ControlGains& gain
   }
   last_stamp_ = stamp;
   ++usable_run_;
-  return usable_run_ >= filter_memory_;
+  return usable_run_ >= filter_memory_ ? BlockUse::kUsable : BlockUse::kAfterBreak;
 }
 
 bool BlockChain::setDelay(double group_delay, double duration) {

@@ -1,6 +1,9 @@
 #include "ring_gyro/identification/filter/block_use.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 namespace cvg {
 namespace {
@@ -20,6 +23,17 @@ BlockUse useOf(Refusal refusal) {
 }
 
 }  // namespace
+
+std::uint64_t BlockUseCounts::unusable() const {
+  return std::accumulate(blocks.begin(), blocks.end(), std::uint64_t{0}) - usable();
+}
+
+BlockUseCounts BlockUseCounts::operator-(const BlockUseCounts& earlier) const {
+  BlockUseCounts since;
+  std::transform(blocks.begin(), blocks.end(), earlier.blocks.begin(), since.blocks.begin(),
+                 std::minus<>());
+  return since;
+}
 
 BlockUse useOf(const OrbitalElements& elements, const ControlGains& gains, double magnitudes,
                std::int64_t block_duration_ns) {

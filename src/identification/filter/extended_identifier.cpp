@@ -53,7 +53,7 @@ ExtendedIdentifier::ExtendedIdentifier(const DeviceKnowledge& device,
                                        const ConverterParameters& converter)
     : parameters_(checked(parameters)),
       state_(device, parameters),
-      period_blocks_(converter.wholeBlocks(parameters.update_period, "extended/update_period")),
+      periods_(converter.wholeBlocks(parameters.update_period, "extended/update_period")),
       block_duration_(converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(block_duration_)),
       // Demodulation gives each quadrature the two-sided density N^2; the moving average in it
@@ -66,50 +66,27 @@ std::optional<ExtendedEstimate> ExtendedIdentifier::process(const OrbitalElement
                                                             const ControlGains& gains,
                                                             double rotation_rate) {
   const BlockStamp& stamp = elements.stamp;
-  if (!started_ || stamp.session != last_stamp_.session || stamp.sequence <= last_stamp_.sequence) {
-    restart(stamp);
-  } else if (stamp.sequence != last_stamp_.sequence + 1) {
-    skipLost(stamp);
+  switch (periods_.follow(stamp)) {
+    case PeriodKeeper::Follows::kDirectly:
+      break;
+    case PeriodKeeper::Follows::kAfterGap:
+      chain_.reset();
+      breakChain();
+      break;
+    case PeriodKeeper::Follows::kNothing:
+      chain_.reset();
+      scaled_ = chained_ = settled_ = false;
+      passes_ = 0;
+      break;
   }
-  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
-  const bool first_of_period = stamp.sequence % period_blocks == 0;
-  if (first_of_period) {
-    blocks_in_period_ = 0;
-    complete_ = true;
-  }
-  ++blocks_in_period_;
-  last_stamp_ = stamp;
-  if (!chain_.admit(elements, gains, rotation_rate)) {
+  if (chain_.admit(elements, gains, rotation_rate) != BlockUse::kUsable) {
+    periods_.spoil();
     breakChain();
-  } else if (complete_) {
-    gather(stamp.sequence, first_of_period);
+  } else if (periods_.complete()) {
+    gather(stamp.sequence);
   }
-  if ((stamp.sequence + 1) % period_blocks != 0) return std::nullopt;
-  return finishPeriod(stamp);
-}
-
-void ExtendedIdentifier::restart(const BlockStamp& stamp) {
-  started_ = true;
-  last_stamp_ = stamp;
-  used_ = rejected_ = lost_ = 0;
-  chain_.reset();
-  scaled_ = chained_ = complete_ = false;
-  settled_ = false;
-  passes_ = 0;
-  blocks_in_period_ = 0;
-  lowest_theta_ = highest_theta_ = 0.0;
-}
-
-void ExtendedIdentifier::skipLost(const BlockStamp& stamp) {
-  lost_ += stamp.sequence - last_stamp_.sequence - 1;
-  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
-  if (stamp.sequence / period_blocks != last_stamp_.sequence / period_blocks &&
-      (last_stamp_.sequence + 1) % period_blocks != 0) {
-    rejected_ += blocks_in_period_;  // of a period whose end was lost
-    blocks_in_period_ = 0;
-  }
-  chain_.reset();
-  breakChain();
+  if (!periods_.atLastBlock()) return std::nullopt;
+  return finishPeriod();
 }
 
 double ExtendedIdentifier::restartSigma(double amplitude) const {
@@ -117,14 +94,11 @@ double ExtendedIdentifier::restartSigma(double amplitude) const {
   return 0.01 * amplitude + 10.0 * sample_sigma_;
 }
 
-void ExtendedIdentifier::gather(std::uint64_t sequence, bool first_of_period) {
+void ExtendedIdentifier::gather(std::uint64_t sequence) {
   const BlockChain::Block now = chain_.block(sequence);
-  if (first_of_period) {
-    lowest_theta_in_period_ = highest_theta_in_period_ = now.orbit.theta;
-    first_look_ = FirstLookSum();
-  }
-  lowest_theta_in_period_ = std::min(lowest_theta_in_period_, now.orbit.theta);
-  highest_theta_in_period_ = std::max(highest_theta_in_period_, now.orbit.theta);
+  const bool first_of_period = periods_.atFirstBlock();
+  if (first_of_period) first_look_ = FirstLookSum();
+  periods_.see(now.orbit.theta);
   if (!scaled_) {
     first_look_.add(now.orbit, now.drive, now.reference_frequency);
     return;
@@ -139,17 +113,16 @@ void ExtendedIdentifier::gather(std::uint64_t sequence, bool first_of_period) {
     input.theta = now.orbit.theta;
     input.rotation_rate = now.rotation_rate;
     update_blocks_ = updateBlocks();
-    by_blocks_ = !filter_.isLinearOver(static_cast<double>(period_blocks_) * block_duration_,
-                                       static_cast<int>(period_blocks_), input);
+    by_blocks_ = !filter_.isLinearOver(static_cast<double>(periodBlocks()) * block_duration_,
+                                       static_cast<int>(periodBlocks()), input);
   }
   if (!restarted) propagate(sequence);
   filter_.sample(measured);
-  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
-  if (by_blocks_ || (sequence + 1) % period_blocks == 0 ||
-      (sequence % period_blocks + 1) % update_blocks_ == 0) {
+  const std::uint64_t block_of_period = sequence % static_cast<std::uint64_t>(periodBlocks());
+  if (by_blocks_ || periods_.atLastBlock() || (block_of_period + 1) % update_blocks_ == 0) {
     update_ = filter_.update();
     chained_ = update_.accepted;
-    if (!update_.accepted) breakChain();
+    if (!update_.accepted) periods_.spoil();
   }
 }
 
@@ -159,9 +132,9 @@ std::uint64_t ExtendedIdentifier::updateBlocks() const {
   const ExtendedState::Layout& at = state_.layout();
   const double rate = state_.decayRate(value) +
                       0.5 * state_.angularFrequency(value) * value.segment<2>(at.mu).norm();
-  const double period = static_cast<double>(period_blocks_) * block_duration_;
+  const double period = static_cast<double>(periodBlocks()) * block_duration_;
   const double parts = std::ceil(rate * period / kMostTurn);
-  const double blocks = std::floor(static_cast<double>(period_blocks_) / std::max(parts, 1.0));
+  const double blocks = std::floor(static_cast<double>(periodBlocks()) / std::max(parts, 1.0));
   return static_cast<std::uint64_t>(std::max(blocks, 1.0));
 }
 
@@ -178,7 +151,6 @@ void ExtendedIdentifier::propagate(std::uint64_t sequence) {
 }
 
 void ExtendedIdentifier::breakChain() {
-  complete_ = false;
   if (chained_) {
     const Eigen::Vector4d envelope = filter_.value().head<4>();
     filter_.restartEnvelope(envelope, restartSigma(envelope.norm()));
@@ -186,37 +158,29 @@ void ExtendedIdentifier::breakChain() {
   chained_ = false;
 }
 
-ExtendedEstimate ExtendedIdentifier::finishPeriod(const BlockStamp& stamp) {
+ExtendedEstimate ExtendedIdentifier::finishPeriod() {
+  const BlockStamp& stamp = periods_.last();
   ExtendedEstimate estimate;
   bool used = false;
-  if (complete_ && scaled_) {
+  if (periods_.complete() && scaled_) {
     reconsider(stamp.sequence);
     used = estimate.updated = true;
     estimate.innovation = update_.innovation;
     estimate.innovation_covariance = update_.innovation_covariance;
     estimate.normalised_innovation_squared = update_.normalised_innovation_squared;
     estimate.whole_period = !by_blocks_;
-  } else if (complete_) {
+  } else if (periods_.complete()) {
     used = setScale(stamp.sequence);
   }
-  if (used) {
-    const bool first = used_ == 0;
-    lowest_theta_ =
-        first ? lowest_theta_in_period_ : std::min(lowest_theta_, lowest_theta_in_period_);
-    highest_theta_ =
-        first ? highest_theta_in_period_ : std::max(highest_theta_, highest_theta_in_period_);
-  }
-  (used ? used_ : rejected_) += blocks_in_period_;
-  blocks_in_period_ = 0;
-  complete_ = false;
+  periods_.finish(used);
 
   estimate.stamp = stamp;
-  estimate.used_blocks = used_;
-  estimate.rejected_blocks = rejected_;
-  estimate.lost_blocks = lost_;
+  estimate.used_blocks = periods_.used();
+  estimate.rejected_blocks = periods_.rejected();
+  estimate.lost_blocks = periods_.lost();
   estimate.scaled = scaled_;
   estimate.settled = scaled_ && settled_;
-  estimate.angle_covered = highest_theta_ - lowest_theta_;
+  estimate.angle_covered = periods_.angleCovered();
   estimate.value.setZero(state_.size());
   estimate.covariance.setZero(state_.size(), state_.size());
   if (!scaled_) return estimate;

@@ -96,85 +96,51 @@ Identifier::Identifier(const DeviceKnowledge& device, const IdentificationParame
       model_(device),
       filter_(model_, intervalNoise(parameters, converter.blockDuration(),
                                     parameters.periodBlocks(converter))),
-      period_blocks_(parameters.periodBlocks(converter)),
-      period_(static_cast<double>(period_blocks_) * converter.blockDuration()),
+      periods_(parameters.periodBlocks(converter)),
+      period_(static_cast<double>(periodBlocks()) * converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(converter.blockDuration())),
       chain_(converter.blockDurationNanoseconds()) {}
 
-inline void Identifier::take(const Orbit& orbit, const ControlGains& gains, bool first_of_period,
-                             bool last_of_period) {
+inline void Identifier::take(const Orbit& orbit, const ControlGains& gains) {
+  const bool first_of_period = periods_.atFirstBlock();
   if (first_of_period) startPeriod(orbit, gains.reference_frequency);
-  lowest_theta_in_period_ = std::min(lowest_theta_in_period_, orbit.theta);
-  highest_theta_in_period_ = std::max(highest_theta_in_period_, orbit.theta);
+  periods_.see(orbit.theta);
   if (!scaled_) {
     first_look_.add(orbit, gains.drive.total(), gains.reference_frequency);
     return;
   }
   if (!first_of_period || chained_) ++waiting_;
-  if (waiting_ < most_waiting_ && !last_of_period) return;
-  takeWaiting(last_of_period);
+  if (waiting_ < most_waiting_ && !periods_.atLastBlock()) return;
+  takeWaiting();
 }
 
 const ParameterEstimate* Identifier::process(const OrbitalElements& elements,
                                              const ControlGains& gains) {
-  const BlockStamp& stamp = elements.stamp;
-  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
-  if (started_ && stamp.session == last_stamp_.session &&
-      stamp.sequence == last_stamp_.sequence + 1) {
-    if (++block_of_period_ == period_blocks) block_of_period_ = 0;
-  } else {
-    if (!started_ || stamp.session != last_stamp_.session ||
-        stamp.sequence <= last_stamp_.sequence) {
-      restart(stamp);
-    } else {
-      skipLost(stamp);
-    }
-    block_of_period_ = stamp.sequence % period_blocks;
+  switch (periods_.follow(elements.stamp)) {
+    case PeriodKeeper::Follows::kDirectly:
+      break;
+    case PeriodKeeper::Follows::kAfterGap:
+      chain_.reset();
+      breakChain();
+      break;
+    case PeriodKeeper::Follows::kNothing:
+      chain_.reset();
+      scaled_ = chained_ = false;
+      break;
   }
-  last_stamp_ = stamp;
-  const bool first_of_period = block_of_period_ == 0;
-  const bool last_of_period = block_of_period_ + 1 == period_blocks;
-  if (first_of_period) {
-    blocks_in_period_ = 0;
-    complete_ = true;
-  }
-  ++blocks_in_period_;
-
-  if (!chain_.admit(elements, gains, 0.0)) {
+  last_use_ = chain_.admit(elements, gains, 0.0);
+  if (last_use_ != BlockUse::kUsable) {
+    periods_.spoil();
     breakChain();
-  } else if (complete_) {
-    take(elements.orbit, gains, first_of_period, last_of_period);
+  } else if (periods_.complete()) {
+    take(elements.orbit, gains);
   }
-  if (!last_of_period) return nullptr;
-  finishPeriod(stamp, gains.compensation);
+  if (!periods_.atLastBlock()) return nullptr;
+  finishPeriod(gains.compensation);
   return &estimate_;
 }
 
-void Identifier::restart(const BlockStamp& stamp) {
-  if (started_) ++restarts_;
-  started_ = true;
-  first_sequence_ = stamp.sequence;
-  used_ = rejected_ = lost_ = 0;
-  chain_.reset();
-  scaled_ = chained_ = complete_ = false;
-  blocks_in_period_ = 0;
-  lowest_theta_ = highest_theta_ = 0.0;
-}
-
-void Identifier::skipLost(const BlockStamp& stamp) {
-  lost_ += stamp.sequence - last_stamp_.sequence - 1;
-  const auto period_blocks = static_cast<std::uint64_t>(period_blocks_);
-  if (stamp.sequence / period_blocks != last_stamp_.sequence / period_blocks &&
-      block_of_period_ + 1 != period_blocks) {
-    rejected_ += blocks_in_period_;  // of a period whose end was lost
-    blocks_in_period_ = 0;
-  }
-  chain_.reset();
-  breakChain();
-}
-
 void Identifier::startPeriod(const Orbit& orbit, double reference_frequency) {
-  lowest_theta_in_period_ = highest_theta_in_period_ = orbit.theta;
   first_look_ = FirstLookSum();
   waiting_ = 0;
   if (!scaled_) return;
@@ -182,15 +148,15 @@ void Identifier::startPeriod(const Orbit& orbit, double reference_frequency) {
   // Wide enough that the period's mean decides, and not this one sample.
   if (!chained_) filter_.restartAxes(axes, 0.01 * orbit.a + 10.0 * sample_sigma_);
   by_blocks_ =
-      period_blocks_ == 1 ||
-      !filter_.isLinearOver(period_, static_cast<int>(period_blocks_), reference_frequency);
+      periodBlocks() == 1 ||
+      !filter_.isLinearOver(period_, static_cast<int>(periodBlocks()), reference_frequency);
   most_waiting_ = by_blocks_ ? 1 : kMostWaiting;
   if (!chained_) filter_.sample(axes);
 }
 
-void Identifier::takeWaiting(bool last_of_period) {
+void Identifier::takeWaiting() {
   const int count = std::exchange(waiting_, 0);
-  const std::uint64_t first = last_stamp_.sequence + 1 - static_cast<std::uint64_t>(count);
+  const std::uint64_t first = periods_.last().sequence + 1 - static_cast<std::uint64_t>(count);
   if (by_blocks_ && count == 1) {
     AveragedStep<double> step;
     chain_.step(first, model_.decayRate(), step);
@@ -207,15 +173,15 @@ void Identifier::takeWaiting(bool last_of_period) {
       chain_.axes(sequence, a, b);
       filter_.steps(steps, std::min(kMost, count - taken), chain_.blockDuration(), a, b);
     }
-    if (!by_blocks_ && !last_of_period) return;
+    if (!by_blocks_ && !periods_.atLastBlock()) return;
     filter_.update();
   }
   chained_ = filter_.lastUpdate().accepted;
-  if (!chained_) breakChain();
+  if (!chained_) periods_.spoil();
 }
 
+/// The filter's a and b are not those of the next block.
 void Identifier::breakChain() {
-  complete_ = false;
   if (chained_) {
     const Eigen::Vector2d axes = filter_.value().head<2>();
     filter_.restartAxes(axes, 0.01 * std::abs(axes[0]) + 10.0 * sample_sigma_);
@@ -223,12 +189,11 @@ void Identifier::breakChain() {
   chained_ = false;
 }
 
-void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation) {
+void Identifier::finishPeriod(const DampingCompensation& compensation) {
   ParameterEstimate& estimate = estimate_;
-  bool used = false;
-  estimate.updated = complete_ && scaled_;
+  estimate.updated = periods_.complete() && scaled_;
+  bool used = estimate.updated;
   if (estimate.updated) {
-    used = true;
     const IntervalUpdate& update = filter_.lastUpdate();
     estimate.innovation = update.innovation;
     estimate.innovation_covariance = update.innovation_covariance;
@@ -237,25 +202,16 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
     estimate.innovation.setZero();
     estimate.innovation_covariance.setZero();
     estimate.normalised_innovation_squared = 0.0;
-    used = complete_ && setScale();
+    used = periods_.complete() && setScale();
   }
-  if (used) {
-    const bool first = used_ == 0;
-    lowest_theta_ =
-        first ? lowest_theta_in_period_ : std::min(lowest_theta_, lowest_theta_in_period_);
-    highest_theta_ =
-        first ? highest_theta_in_period_ : std::max(highest_theta_, highest_theta_in_period_);
-  }
-  (used ? used_ : rejected_) += blocks_in_period_;
-  blocks_in_period_ = 0;
-  complete_ = false;
+  periods_.finish(used);
 
-  estimate.stamp = stamp;
-  estimate.first_sequence = first_sequence_;
-  estimate.used_blocks = used_;
-  estimate.rejected_blocks = rejected_;
-  estimate.lost_blocks = lost_;
-  estimate.angle_covered = highest_theta_ - lowest_theta_;
+  estimate.stamp = periods_.last();
+  estimate.first_sequence = periods_.firstSequence();
+  estimate.used_blocks = periods_.used();
+  estimate.rejected_blocks = periods_.rejected();
+  estimate.lost_blocks = periods_.lost();
+  estimate.angle_covered = periods_.angleCovered();
   if (scaled_) {
     estimate.value = filter_.value();
     estimate.parameter_variance = filter_.parameterVariance();
@@ -263,6 +219,7 @@ void Identifier::finishPeriod(const BlockStamp& stamp, const DampingCompensation
     estimate.value.setZero();
     estimate.parameter_variance = initialVariance();
   }
+  estimate.covariance.setTo(*this);
   const double cancelled_by_gain = 0.5 * estimate.value[kDriveGain] / model_.decayRate();
   estimate.residual_gamma1 = estimate.value[kGamma1];
   estimate.residual_gamma2 = estimate.value[kGamma2];

@@ -47,7 +47,7 @@ BatchLeastSquares::BatchLeastSquares(const DeviceKnowledge& device,
 
 void BatchLeastSquares::add(const OrbitalElements& elements, const ControlGains& gains,
                             double rotation_rate) {
-  if (!chain_.admit(elements, gains, rotation_rate)) {
+  if (chain_.admit(elements, gains, rotation_rate) != BlockUse::kUsable) {
     chained_ = false;
     return;
   }

@@ -78,7 +78,7 @@ AxesBound::AxesBound(const AveragedModel& model, const DeviceParameters& truth,
       bound_(ExtendedMatrix(prior_sigma.cwiseAbs2().asDiagonal()), 2) {}
 
 void AxesBound::process(const OrbitalElements& elements, const ControlGains& gains) {
-  if (!chain_.admit(elements, gains, 0.0)) {
+  if (chain_.admit(elements, gains, 0.0) != BlockUse::kUsable) {
     chained_ = false;
     return;
   }
@@ -122,7 +122,7 @@ EnvelopeBound::EnvelopeBound(const EnvelopeModel& model, const ExtendedVector& t
 
 void EnvelopeBound::process(const OrbitalElements& elements, const ControlGains& gains,
                             double rotation_rate) {
-  if (!chain_.admit(elements, gains, rotation_rate)) {
+  if (chain_.admit(elements, gains, rotation_rate) != BlockUse::kUsable) {
     chained_ = false;
     return;
   }

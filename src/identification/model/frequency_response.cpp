@@ -9,7 +9,7 @@
 #include <string>
 
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/resonator/ring_resonator.h"
+#include "ring_gyro/common/slow_motion.h"
 
 namespace cvg {
 namespace {
@@ -115,15 +115,8 @@ FrequencyResponseFit fitFrequencyResponse(const std::vector<FrequencyPoint>& poi
   fit.device.mu2 = stiffness(0, 1) / w0_squared;
   fit.device.drive_gain = 1.0 / std::abs(inverse_gain);
   fit.phase_delay = std::arg(inverse_gain);
-  ResonatorParameters ring;
-  ring.natural_frequency = fit.natural_frequency;
-  ring.quality_factor = fit.quality_factor;
-  ring.gamma1 = fit.device.gamma1;
-  ring.gamma2 = fit.device.gamma2;
-  ring.mu1 = fit.device.mu1;
-  ring.mu2 = fit.device.mu2;
-  ring.drive_gain = fit.device.drive_gain;
-  fit.modes = modesOf(eigenvalues(RingResonator(ring).slowMotion()), w0);
+  const Eigen::Matrix2d mismatch = stiffness - w0_squared * Eigen::Matrix2d::Identity();
+  fit.modes = modesOf(eigenvalues(slowMotion(w0, friction, mismatch)), w0);
   fit.split = fit.modes[1].frequency - fit.modes[0].frequency;
   fit.drive_gain_peak = w0_squared / fit.quality_factor * peakGain(points);
   fit.residual = residual;

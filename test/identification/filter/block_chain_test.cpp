@@ -13,7 +13,7 @@ constexpr std::int64_t kBlock = 1000000;
 constexpr std::uint64_t kFirst = 1000;
 
 /// A usable block whose drive along x is its number.
-bool admit(BlockChain& chain, std::uint64_t sequence, double delay_blocks) {
+BlockUse admit(BlockChain& chain, std::uint64_t sequence, double delay_blocks) {
   OrbitalElements elements;
   elements.stamp = {1, sequence, static_cast<std::int64_t>(sequence + 1) * kBlock, kBlock};
   elements.group_delay = 1e-3 * delay_blocks;
@@ -34,7 +34,9 @@ TEST(BlockChain, StepsHaveTheDriveThatActedADelayBefore) {
     BlockChain chain(kBlock);
     std::uint64_t last = kFirst;
     for (; last < kFirst + 300; ++last) {
-      const bool usable = admit(chain, last, delay);
+      const BlockUse use = admit(chain, last, delay);
+      const bool usable = use == BlockUse::kUsable;
+      EXPECT_TRUE(usable || use == BlockUse::kAfterBreak);
       EXPECT_EQ(usable, static_cast<double>(last - kFirst + 1) >= 2.0 * delay) << last;
       if (!usable || last < kFirst + 200) continue;
       for (std::uint64_t back = 0; back < BlockChain::kReach; ++back) {
@@ -64,9 +66,10 @@ TEST(BlockChain, DriveOfTwoBlocksActsWhereTheDelayIsNotWhole) {
 
 TEST(BlockChain, RefusesDelaysLongerThanItsMemory) {
   BlockChain chain(kBlock);
-  for (std::uint64_t n = kFirst; n < kFirst + 300; ++n) EXPECT_FALSE(admit(chain, n, 31.5)) << n;
+  for (std::uint64_t n = kFirst; n < kFirst + 300; ++n)
+    EXPECT_EQ(admit(chain, n, 31.5), BlockUse::kGroupDelay) << n;
   for (std::uint64_t n = kFirst + 300; n < kFirst + 600; ++n) {
-    EXPECT_FALSE(admit(chain, n, -1.0)) << n;
+    EXPECT_EQ(admit(chain, n, -1.0), BlockUse::kImpossible) << n;
   }
 }
 

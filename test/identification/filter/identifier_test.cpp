@@ -67,6 +67,21 @@ std::uint64_t accountedFor(const ParameterEstimate& estimate) {
   return estimate.used_blocks + estimate.rejected_blocks + estimate.lost_blocks;
 }
 
+TEST(Identifier, ACopyOfAnEstimateKeepsItsCovariance) {
+  Identifier identifier(kKnown, parametersFor(), ConverterParameters{});
+  AveragedLoop loop({});
+  const ParameterEstimate early = run(identifier, loop, 1000);
+  const StateMatrix then = identifier.covariance();
+  EXPECT_EQ(early.covariance.matrix(), then);
+  ParameterEstimate assigned;
+  assigned = early;
+  run(identifier, loop, 1000);
+  EXPECT_LT(identifier.covariance()(kMu1, kMu1), then(kMu1, kMu1));
+  EXPECT_EQ(early.covariance.matrix(), then);
+  EXPECT_EQ(assigned.covariance.matrix(), then);
+  EXPECT_EQ(assigned.covariance.matrix().diagonal().tail<5>(), assigned.parameter_variance);
+}
+
 TEST(Identifier, RefusesWhatItCannotUse) {
   const ConverterParameters converter;
   const auto with = [&](auto&& change) {

@@ -46,12 +46,9 @@ class BlockChain {
 
   explicit BlockChain(std::int64_t block_duration_ns);
 
-  /// Remembers the block when it can be used; true when everything that its elements depend on can
-  /// be too. Both inputs must be of one block.
-  bool admit(const OrbitalElements& elements, const ControlGains& gains, double rotation_rate);
-  /// What was found of the last block by itself; a usable one may still not be admitted, when those
-  /// before it cannot be used.
-  BlockUse lastUse() const { return use_; }
+  /// Remembers the block when its own numbers can be used. kUsable when everything that its
+  /// elements depend on can be too, else why it cannot be used.
+  BlockUse admit(const OrbitalElements& elements, const ControlGains& gains, double rotation_rate);
   /// The next block follows nothing.
   void reset() { usable_run_ = 0; }
 
@@ -105,12 +102,11 @@ class BlockChain {
   // A ring; its beginning stands once more behind its end, so that lanes need not be broken.
   std::array<std::array<double, kMemory + kLanes>, kKinds> memory_;
   BlockStamp last_stamp_;
-  double group_delay_ = -1.0;         // of the present run of usable blocks [s]
-  std::uint64_t whole_delay_ = 0;     // blocks in it
-  double rest_of_delay_ = 0.0;        // what is left of it [blocks]
-  std::uint64_t filter_memory_ = 1;   // blocks that go into an element
-  BlockUse use_ = BlockUse::kUsable;  // of the last block
-  std::uint64_t usable_run_ = 0;      // usable blocks without a break up to now
+  double group_delay_ = -1.0;        // of the present run of usable blocks [s]
+  std::uint64_t whole_delay_ = 0;    // blocks in it
+  double rest_of_delay_ = 0.0;       // what is left of it [blocks]
+  std::uint64_t filter_memory_ = 1;  // blocks that go into an element
+  std::uint64_t usable_run_ = 0;     // usable blocks without a break up to now
 };
 
 }  // namespace cvg

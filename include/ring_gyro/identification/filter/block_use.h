@@ -1,13 +1,17 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <tuple>
 
 #include "ring_gyro/signals/control_gains.h"
 #include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
 
-/// Whether a block can be used to identify; if not, the first reason that holds.
+/// Whether a block can be used to identify; if not, the first reason that holds. Whoever counts
+/// blocks counts by these.
 enum class BlockUse : std::uint8_t {
   kUsable,
   kNotFinite,       ///< a number that is not finite, or so large that a square could overflow
@@ -21,13 +25,28 @@ enum class BlockUse : std::uint8_t {
   kNotLocked,       ///< as the status says
   kNoFrequency,     ///< a reference frequency that is not above zero
   kGroupDelay,      ///< longer than what is remembered
+  kAfterBreak,      ///< the demodulator's memory still holds a block that cannot be used
 };
+
+/// Blocks by whether, or why not, they can be used.
+struct BlockUseCounts {
+  std::array<std::uint64_t, 13> blocks = {};
+
+  void add(BlockUse use) { ++blocks[static_cast<std::size_t>(use)]; }
+  std::uint64_t of(BlockUse use) const { return blocks[static_cast<std::size_t>(use)]; }
+  std::uint64_t usable() const { return of(BlockUse::kUsable); }
+  std::uint64_t unusable() const;
+  /// Since `earlier`.
+  BlockUseCounts operator-(const BlockUseCounts& earlier) const;
+};
+static_assert(static_cast<std::size_t>(BlockUse::kAfterBreak) + 1 ==
+              std::tuple_size_v<decltype(BlockUseCounts::blocks)>);
 
 /// Largest sum of the magnitudes of a block's numbers: beyond it a square could overflow later.
 constexpr double kLargestBlock = 1e12;
 
-/// The reason against a block, found one by one; kUsable: none, the group delay aside (BlockChain
-/// knows what it remembers). `magnitudes`: sum of the magnitudes of all its numbers.
+/// The reason against a block by itself, found one by one; kUsable: none (what BlockChain knows of
+/// the blocks before is not looked at). `magnitudes`: sum of the magnitudes of all its numbers.
 BlockUse useOf(const OrbitalElements& elements, const ControlGains& gains, double magnitudes,
                std::int64_t block_duration_ns);
 BlockUse useOf(const OrbitalElements& elements, const ControlGains& gains,

@@ -11,6 +11,7 @@
 #include "ring_gyro/identification/filter/block_chain.h"
 #include "ring_gyro/identification/filter/envelope_filter.h"
 #include "ring_gyro/identification/filter/first_look.h"
+#include "ring_gyro/identification/filter/period_keeper.h"
 #include "ring_gyro/identification/model/extended_parameters.h"
 
 namespace cvg {
@@ -68,12 +69,10 @@ class ExtendedIdentifier {
   const std::vector<std::string>& names() const { return state_.names(); }
   /// Index of a name; empty when it is not estimated.
   std::optional<Eigen::Index> find(const std::string& name) const { return state_.find(name); }
-  std::int64_t periodBlocks() const { return period_blocks_; }
+  std::int64_t periodBlocks() const { return periods_.periodBlocks(); }
 
  private:
-  void restart(const BlockStamp& stamp);
-  void skipLost(const BlockStamp& stamp);
-  void gather(std::uint64_t sequence, bool first_of_period);
+  void gather(std::uint64_t sequence);
   void propagate(std::uint64_t sequence);
   std::uint64_t updateBlocks() const;
   void breakChain();
@@ -82,22 +81,16 @@ class ExtendedIdentifier {
   void start(const ExtendedVector& value, const ExtendedVector& sigma,
              const ExtendedVector& nominal);
   void startAgain();
-  ExtendedEstimate finishPeriod(const BlockStamp& stamp);
+  ExtendedEstimate finishPeriod();
   double restartSigma(double amplitude) const;
 
   ExtendedParameters parameters_;
   ExtendedState state_;
-  std::int64_t period_blocks_;
+  PeriodKeeper periods_;
   double block_duration_;
   double sample_sigma_;
   EnvelopeFilter filter_;
   BlockChain chain_;
-
-  bool started_ = false;
-  BlockStamp last_stamp_;
-  std::uint64_t used_ = 0;
-  std::uint64_t rejected_ = 0;
-  std::uint64_t lost_ = 0;
 
   bool scaled_ = false;
   double cubic_at_start_ = 0.0;  // what the filter's cubic term started from [1/V^2]
@@ -107,16 +100,10 @@ class ExtendedIdentifier {
   ExtendedVector first_value_;  // before any data, physical coordinates
   ExtendedVector first_sigma_;
   bool chained_ = false;             // the filter's envelope is that at the end of the last period
-  bool complete_ = false;            // the present period has had nothing but usable blocks
   std::uint64_t update_blocks_ = 1;  // blocks whose mean is one update
   bool by_blocks_ = false;           // the present period is filtered block by block
   EnvelopeUpdate update_;
-  std::uint64_t blocks_in_period_ = 0;
   FirstLookSum first_look_;
-  double lowest_theta_ = 0.0;
-  double highest_theta_ = 0.0;
-  double lowest_theta_in_period_ = 0.0;
-  double highest_theta_in_period_ = 0.0;
 };
 
 }  // namespace cvg

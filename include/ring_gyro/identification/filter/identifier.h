@@ -9,6 +9,7 @@
 #include "ring_gyro/identification/filter/block_chain.h"
 #include "ring_gyro/identification/filter/first_look.h"
 #include "ring_gyro/identification/filter/interval_filter.h"
+#include "ring_gyro/identification/filter/period_keeper.h"
 #include "ring_gyro/identification/model/averaged_model.h"
 #include "ring_gyro/signals/control_gains.h"
 #include "ring_gyro/signals/orbital_elements.h"
@@ -74,20 +75,17 @@ class Identifier {
   StateMatrix covariance() const;
 
   /// Whether the last block can be used, and if not, why.
-  BlockUse lastUse() const { return chain_.lastUse(); }
+  BlockUse lastUse() const { return last_use_; }
 
-  std::int64_t periodBlocks() const { return period_blocks_; }
-  std::uint64_t restarts() const { return restarts_; }
+  std::int64_t periodBlocks() const { return periods_.periodBlocks(); }
+  std::uint64_t restarts() const { return periods_.restarts(); }
 
  private:
-  void restart(const BlockStamp& stamp);
-  void skipLost(const BlockStamp& stamp);
-  void take(const Orbit& orbit, const ControlGains& gains, bool first_of_period,
-            bool last_of_period);
+  void take(const Orbit& orbit, const ControlGains& gains);
   void startPeriod(const Orbit& orbit, double reference_frequency);
-  void takeWaiting(bool last_of_period);
+  void takeWaiting();
   void breakChain();
-  void finishPeriod(const BlockStamp& stamp, const DampingCompensation& compensation);
+  void finishPeriod(const DampingCompensation& compensation);
   bool setScale();
   bool converged() const;
   ParameterVector initialVariance() const;
@@ -95,36 +93,22 @@ class Identifier {
   IdentificationParameters parameters_;
   AveragedModel model_;
   IntervalFilter filter_;
-  std::int64_t period_blocks_;
-  double period_;
+  PeriodKeeper periods_;
+  double period_;        // [s]
   double sample_sigma_;  // of a or b in one block [V]
 
   BlockChain chain_;
-  std::uint64_t block_of_period_ = 0;  // of the last block
+  BlockUse last_use_ = BlockUse::kUsable;
   // The last blocks that the filter has yet to take: many in one go, or one while each block is an
   // update.
   int waiting_ = 0;
   int most_waiting_ = 1;
 
-  bool started_ = false;
-  BlockStamp last_stamp_;
-  std::uint64_t first_sequence_ = 0;
-  std::uint64_t used_ = 0;
-  std::uint64_t rejected_ = 0;
-  std::uint64_t lost_ = 0;
-  std::uint64_t restarts_ = 0;
-
   bool scaled_ = false;     // ks has its scale, the filter runs
   bool chained_ = false;    // the filter's a and b are those at the end of the last period
-  bool complete_ = false;   // the present period has had nothing but usable blocks
   bool by_blocks_ = false;  // the present period is filtered block by block
   ParameterEstimate estimate_;
-  std::uint64_t blocks_in_period_ = 0;
   FirstLookSum first_look_;  // of the present period, until the filter runs
-  double lowest_theta_ = 0.0;
-  double highest_theta_ = 0.0;
-  double lowest_theta_in_period_ = 0.0;
-  double highest_theta_in_period_ = 0.0;
 };
 
 }  // namespace cvg
