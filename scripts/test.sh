@@ -121,6 +121,15 @@ installed_simulate() {
     rosrun ring_gyro plot_run.py "$2"' _ "$work/installed.bag" "$work/installed_plots"
 }
 
+# A bag of an older version, made one of today by the rules that were installed.
+installed_migration() {
+  rm -f "$work/installed_migration.bag"
+  # shellcheck disable=SC2016
+  run_installed bash -c 'rosbag fix "$1" "$2" &&
+    rosrun ring_gyro identify "$2" --preset paper_simulation' _ \
+    "$root/test/baseline/run.bag" "$work/installed_migration.bag"
+}
+
 installed_launch() { # nodelets
   rm -f "$work/installed_launch.bag"
   run_installed timeout -s INT 120 roslaunch -p "$installed_port" ring_gyro simulation.launch \
@@ -152,6 +161,7 @@ installed_port=$(/usr/bin/python3 -c 'import socket
 s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
 if check install install_release; then
   check installed_simulate installed_simulate || true
+  check installed_migration installed_migration || true
   check installed_launch installed_launch false || true
   check installed_nodelets installed_launch true || true
   check installed_calibration installed_calibration || true

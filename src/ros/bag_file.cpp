@@ -7,6 +7,8 @@
 #include <fstream>
 #include <utility>
 
+#include "ring_gyro/common/shell_word.h"
+
 namespace ring_gyro::bridge {
 namespace {
 
@@ -32,7 +34,7 @@ BagFile::BagFile(std::string path) : path_(std::move(path)) {
   const std::string encryptor = bagEncryptor(path_);
   if (!encryptor.empty()) {
     fail("encrypted by " + encryptor + "; make a plain copy where the key is: rosbag decrypt " +
-         path_);
+         cvg::shellWord(path_));
   }
   try {
     contents_ = contentsByIndex(path_);
@@ -59,7 +61,7 @@ void BagFile::scan(const std::string& why) {
   damage_.push_back(scan.loss.bytes > 0
                         ? lost(scan.loss)
                         : "the index is missing, all records are there; make one: rosbag reindex " +
-                              path_);
+                              cvg::shellWord(path_));
 }
 
 std::string BagFile::lost(const BagLoss& loss) const {

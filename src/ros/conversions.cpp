@@ -38,6 +38,13 @@ Eigen::Vector2cd envelopeFromMessage(const ring_gyro::Envelope& message) {
           std::complex<double>(message.y_real, message.y_imag)};
 }
 
+using Places = ring_gyro::ParameterEstimate;
+static_assert(int{Places::A} == cvg::kA && int{Places::B} == cvg::kB &&
+                  int{Places::GAMMA1} == cvg::kGamma1 && int{Places::GAMMA2} == cvg::kGamma2 &&
+                  int{Places::MU1} == cvg::kMu1 && int{Places::MU2} == cvg::kMu2 &&
+                  int{Places::DRIVE_GAIN} == cvg::kDriveGain,
+              "an estimate travels in the order of the states");
+
 bool isZero(const Eigen::Vector2cd& envelope) { return envelope[0] == 0.0 && envelope[1] == 0.0; }
 
 /// A log may know the whole drive and not what it is made of: then the whole stands as one part.
@@ -98,8 +105,8 @@ void correctionsToMessage(const cvg::Corrections& corrections, ring_gyro::Calibr
   message.phase_mismatch = corrections.drive_path.phase_mismatch;
   message.phase_skew = corrections.drive_path.phase_skew;
   message.rotation_phase = corrections.drive_path.rotation_phase;
-  message.gamma_1 = corrections.gamma1;
-  message.gamma_2 = corrections.gamma2;
+  message.gamma1 = corrections.gamma1;
+  message.gamma2 = corrections.gamma2;
   harmonicsToMessage(corrections.drift, message.drift_constant, message.drift_cosine,
                      message.drift_sine);
   harmonicsToMessage(corrections.angle_map, message.angle_map_constant, message.angle_map_cosine,
@@ -123,8 +130,8 @@ cvg::Corrections correctionsFromMessage(const ring_gyro::Calibration& message) {
   corrections.drive_path.phase_mismatch = message.phase_mismatch;
   corrections.drive_path.phase_skew = message.phase_skew;
   corrections.drive_path.rotation_phase = message.rotation_phase;
-  corrections.gamma1 = message.gamma_1;
-  corrections.gamma2 = message.gamma_2;
+  corrections.gamma1 = message.gamma1;
+  corrections.gamma2 = message.gamma2;
   corrections.drift = {message.drift_constant, message.drift_cosine, message.drift_sine};
   corrections.angle_map = {message.angle_map_constant, message.angle_map_cosine,
                            message.angle_map_sine};
@@ -217,8 +224,8 @@ void toMessage(const cvg::ControlGains& gains, ring_gyro::ControlGains& message)
   message.beta = gains.beta;
   message.alpha = gains.alpha;
   message.virtual_rate = gains.virtual_rate;
-  message.compensation_gain_1 = gains.compensation.gain1;
-  message.compensation_gain_2 = gains.compensation.gain2;
+  message.compensation_gain1 = gains.compensation.gain1;
+  message.compensation_gain2 = gains.compensation.gain2;
   envelopeToMessage(gains.drive.total(), message.drive);
   envelopeToMessage(gains.drive.sustain, message.sustain);
   envelopeToMessage(gains.drive.quadrature, message.quadrature);
@@ -234,7 +241,7 @@ void fromMessage(const ring_gyro::ControlGains& message, cvg::ControlGains& gain
   gains.beta = message.beta;
   gains.alpha = message.alpha;
   gains.virtual_rate = message.virtual_rate;
-  gains.compensation = {message.compensation_gain_1, message.compensation_gain_2};
+  gains.compensation = {message.compensation_gain1, message.compensation_gain2};
   gains.drive = driveFromMessage(message);
   gains.status = statusFromMessage(message.status);
 }
@@ -262,8 +269,8 @@ void toMessage(const cvg::ParameterEstimate& estimate, ring_gyro::ParameterEstim
     }
   }
   message.normalised_innovation_squared = estimate.normalised_innovation_squared;
-  message.residual_gamma_1 = estimate.residual_gamma1;
-  message.residual_gamma_2 = estimate.residual_gamma2;
+  message.residual_gamma1 = estimate.residual_gamma1;
+  message.residual_gamma2 = estimate.residual_gamma2;
   message.angle_covered = estimate.angle_covered;
   message.converged = estimate.converged;
 }
@@ -291,8 +298,8 @@ void fromMessage(const ring_gyro::ParameterEstimate& message, cvg::ParameterEsti
     }
   }
   estimate.normalised_innovation_squared = message.normalised_innovation_squared;
-  estimate.residual_gamma1 = message.residual_gamma_1;
-  estimate.residual_gamma2 = message.residual_gamma_2;
+  estimate.residual_gamma1 = message.residual_gamma1;
+  estimate.residual_gamma2 = message.residual_gamma2;
   estimate.angle_covered = message.angle_covered;
   estimate.converged = message.converged != 0;
 }
@@ -303,10 +310,10 @@ void toMessage(const cvg::CompensationDecision& decision, const ros::Time& data_
   message.session = decision.session;
   message.effective_sequence = decision.effective_sequence;
   message.data_sequence = decision.data_sequence;
-  message.gain_1 = decision.gains.gain1;
-  message.gain_2 = decision.gains.gain2;
-  message.gamma_1 = decision.gamma1;
-  message.gamma_2 = decision.gamma2;
+  message.gain1 = decision.gains.gain1;
+  message.gain2 = decision.gains.gain2;
+  message.gamma1 = decision.gamma1;
+  message.gamma2 = decision.gamma2;
   message.state = static_cast<std::uint8_t>(decision.state);
 }
 
@@ -314,9 +321,9 @@ void fromMessage(const ring_gyro::CompensationGains& message, cvg::CompensationD
   decision.session = message.session;
   decision.effective_sequence = message.effective_sequence;
   decision.data_sequence = message.data_sequence;
-  decision.gains = {message.gain_1, message.gain_2};
-  decision.gamma1 = message.gamma_1;
-  decision.gamma2 = message.gamma_2;
+  decision.gains = {message.gain1, message.gain2};
+  decision.gamma1 = message.gamma1;
+  decision.gamma2 = message.gamma2;
   decision.state = static_cast<cvg::InjectorState>(message.state);
 }
 
@@ -365,10 +372,10 @@ void toMessage(const cvg::PlantTruth& truth, ring_gyro::PlantTruth& message) {
   message.rotation_angle = truth.rotation_angle;
   message.natural_frequency = truth.natural_frequency;
   message.quality_factor = truth.quality_factor;
-  message.gamma_1 = truth.gamma1;
-  message.gamma_2 = truth.gamma2;
-  message.mu_1 = truth.mu1;
-  message.mu_2 = truth.mu2;
+  message.gamma1 = truth.gamma1;
+  message.gamma2 = truth.gamma2;
+  message.mu1 = truth.mu1;
+  message.mu2 = truth.mu2;
   message.drive_gain = truth.drive_gain;
 }
 
@@ -379,10 +386,10 @@ void fromMessage(const ring_gyro::PlantTruth& message, cvg::PlantTruth& truth) {
   truth.rotation_angle = message.rotation_angle;
   truth.natural_frequency = message.natural_frequency;
   truth.quality_factor = message.quality_factor;
-  truth.gamma1 = message.gamma_1;
-  truth.gamma2 = message.gamma_2;
-  truth.mu1 = message.mu_1;
-  truth.mu2 = message.mu_2;
+  truth.gamma1 = message.gamma1;
+  truth.gamma2 = message.gamma2;
+  truth.mu1 = message.mu1;
+  truth.mu2 = message.mu2;
   truth.drive_gain = message.drive_gain;
 }
 

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "ring_gyro/ros/message_version.h"
 #include "ring_gyro/ros/topics.h"
 
 namespace ring_gyro::bridge {
@@ -67,7 +68,6 @@ void LoopBag::fail(const std::string& what) const { throw BagError(path() + ": "
 template <typename Message>
 LoopBag::Topic LoopBag::choose(const std::string& wanted, const char* usual_name) const {
   const std::string type = ros::message_traits::datatype<Message>();
-  const std::string md5 = ros::message_traits::md5sum<Message>();
   Topic chosen;
   std::set<std::string> names;
   const BagConnection* other_type = nullptr;
@@ -81,11 +81,7 @@ LoopBag::Topic LoopBag::choose(const std::string& wanted, const char* usual_name
       other_type = &connection;
       continue;
     }
-    if (connection.md5 != md5) {
-      fail("topic " + connection.topic + ": " + type + " of another version of this package (md5 " +
-           connection.md5 + ", here " + md5 + "); convert the bag: rosbag fix " + path() +
-           " NEW.bag");
-    }
+    requireVersion<Message>(file_, connection);
     chosen.topic = connection.topic;
     chosen.connections.push_back(connection.id);
     names.insert(connection.topic);

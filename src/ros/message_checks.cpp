@@ -124,8 +124,8 @@ MessageFault faultOf(const ring_gyro::Calibration& m) {
                           {"calibration.phase_mismatch", m.phase_mismatch},
                           {"calibration.phase_skew", m.phase_skew},
                           {"calibration.rotation_phase", m.rotation_phase},
-                          {"calibration.gamma_1", m.gamma_1},
-                          {"calibration.gamma_2", m.gamma_2},
+                          {"calibration.gamma1", m.gamma1},
+                          {"calibration.gamma2", m.gamma2},
                           {"calibration.drift_constant", m.drift_constant},
                           {"calibration.angle_map_constant", m.angle_map_constant}})) {
     return fault;
@@ -199,8 +199,8 @@ MessageFault faultOf(const ring_gyro::ControlGains& m) {
                                            {"beta", m.beta},
                                            {"alpha", m.alpha},
                                            {"virtual_rate", m.virtual_rate},
-                                           {"compensation_gain_1", m.compensation_gain_1},
-                                           {"compensation_gain_2", m.compensation_gain_2},
+                                           {"compensation_gain1", m.compensation_gain1},
+                                           {"compensation_gain2", m.compensation_gain2},
                                            {"drive.x_real", m.drive.x_real},
                                            {"drive.x_imag", m.drive.x_imag},
                                            {"drive.y_real", m.drive.y_real},
@@ -249,8 +249,8 @@ MessageFault faultOf(const ring_gyro::ParameterEstimate& m) {
                   std::initializer_list<double>{m.normalised_innovation_squared})) {
     return fault;
   }
-  if (MessageFault fault = faultOfNumbers({{"residual_gamma_1", m.residual_gamma_1},
-                                           {"residual_gamma_2", m.residual_gamma_2},
+  if (MessageFault fault = faultOfNumbers({{"residual_gamma1", m.residual_gamma1},
+                                           {"residual_gamma2", m.residual_gamma2},
                                            {"angle_covered", m.angle_covered}})) {
     return fault;
   }
@@ -276,10 +276,8 @@ MessageFault faultOf(const ring_gyro::ParameterEstimate& m) {
 }
 
 MessageFault faultOf(const ring_gyro::CompensationGains& m) {
-  if (MessageFault fault = faultOfNumbers({{"gain_1", m.gain_1},
-                                           {"gain_2", m.gain_2},
-                                           {"gamma_1", m.gamma_1},
-                                           {"gamma_2", m.gamma_2}})) {
+  if (MessageFault fault = faultOfNumbers(
+          {{"gain1", m.gain1}, {"gain2", m.gain2}, {"gamma1", m.gamma1}, {"gamma2", m.gamma2}})) {
     return fault;
   }
   if (m.state > ring_gyro::CompensationGains::LIMITED) {
@@ -322,10 +320,10 @@ MessageFault faultOf(const ring_gyro::PlantTruth& m) {
                                            {"rotation_angle", m.rotation_angle},
                                            {"natural_frequency", m.natural_frequency},
                                            {"quality_factor", m.quality_factor},
-                                           {"gamma_1", m.gamma_1},
-                                           {"gamma_2", m.gamma_2},
-                                           {"mu_1", m.mu_1},
-                                           {"mu_2", m.mu_2},
+                                           {"gamma1", m.gamma1},
+                                           {"gamma2", m.gamma2},
+                                           {"mu1", m.mu1},
+                                           {"mu2", m.mu2},
                                            {"drive_gain", m.drive_gain}})) {
     return fault;
   }

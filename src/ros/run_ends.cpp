@@ -1,5 +1,6 @@
 #include "ring_gyro/ros/run_ends.h"
 
+#include "ring_gyro/ros/message_version.h"
 #include "ring_gyro/ros/messages.h"
 
 namespace ring_gyro::bridge {
@@ -7,7 +8,8 @@ namespace ring_gyro::bridge {
 void addRunEnds(const BagFile& bag, RunEnds& ends, BagSinks& sinks) {
   using ring_gyro::EndOfRun;
   for (const BagConnection& connection : bag.connections()) {
-    if (connection.md5 != ros::message_traits::md5sum<EndOfRun>()) continue;
+    if (!holds<EndOfRun>(connection)) continue;
+    requireVersion<EndOfRun>(bag, connection);
     sinks[connection.id] = [&ends](const BagMessage& found) {
       try {
         EndOfRun end;

@@ -76,6 +76,13 @@ TEST(ColumnMap, FrequenciesAreHertzUnlessTheirNameIsOmega) {
   EXPECT_EQ(ColumnMap("log", {"omega"}, {}).use(Q::kOmega)->scale, 1.0);
 }
 
+TEST(ColumnMap, KnowsTheNamesThatOlderVersionsExported) {
+  const ColumnMap map("log", {"compensation_gain_1", "compensation_gain_2"}, {});
+  EXPECT_EQ(map.use(Q::kCompensationGain1)->column, 0U);
+  EXPECT_EQ(map.use(Q::kCompensationGain2)->column, 1U);
+  EXPECT_EQ(map.use(Q::kCompensationGain2)->scale, 1.0);
+}
+
 TEST(ColumnMap, VoltsAreNotGains) {
   const ColumnMap map("log", {"sustain [V]", "steering_mV"}, {});
   EXPECT_TRUE(map.has(Q::kSustainVolts));

@@ -585,8 +585,8 @@ TEST_F(BadLog, AbsurdValueOfEachQuantity) {
        "beta",
        "alpha",
        "virtual_rate",
-       "compensation_gain_1",
-       "compensation_gain_2",
+       "compensation_gain1",
+       "compensation_gain2",
        "sustain_volts",
        "quadrature_volts",
        "steering_volts",
@@ -646,8 +646,8 @@ TEST_F(BadLog, EndsOfTheRangesMakeBlocksThatAreRead) {
                                           "beta",
                                           "alpha",
                                           "virtual_rate",
-                                          "compensation_gain_1",
-                                          "compensation_gain_2"};
+                                          "compensation_gain1",
+                                          "compensation_gain2"};
   constexpr double kReadable = 1e12;
   const auto text = [&names](const std::string& changed, bool highest) {
     std::string rows = tableOf(names, 1, "", 0, 0.0);
@@ -665,7 +665,7 @@ TEST_F(BadLog, EndsOfTheRangesMakeBlocksThatAreRead) {
   };
   std::size_t all_taken = 0;
   for (const std::string changed :
-       {"", "a", "b", "beta", "alpha", "virtual_rate", "compensation_gain_1"}) {
+       {"", "a", "b", "beta", "alpha", "virtual_rate", "compensation_gain1"}) {
     for (const bool highest : {false, true}) {
       write(text(changed, highest));
       ImportOptions options;

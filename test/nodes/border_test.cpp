@@ -266,9 +266,9 @@ TEST_F(CompensatedLoopsTest, NothingButItsOwnBlockWaitsForADecision) {
   wrong.header.stamp = ros::Time(1.0);
   wrong.session = kSession;
   wrong.effective_sequence = 2 * kPeriod;
-  wrong.gain_1 = kNaN;
+  wrong.gain1 = kNaN;
   decisions_.publish(wrong);
-  wrong.gain_1 = 0.0;
+  wrong.gain1 = 0.0;
   wrong.state = 200;
   decisions_.publish(wrong);
   settle();
@@ -383,17 +383,17 @@ TEST(InjectorBorder, DecidesOnAnEstimateThatCannotBe) {
   };
   const auto good = decide([](auto&) {});
   EXPECT_EQ(good.state, ring_gyro::CompensationGains::TRACKING);
-  EXPECT_GT(good.gamma_1, 0.0);
+  EXPECT_GT(good.gamma1, 0.0);
   const auto expectHeld = [&](const ring_gyro::CompensationGains& decision) {
     EXPECT_EQ(decision.state, ring_gyro::CompensationGains::WAITING);
-    EXPECT_EQ(decision.gain_1, good.gain_1);
+    EXPECT_EQ(decision.gain1, good.gain1);
     EXPECT_EQ(decision.effective_sequence, (periods + 1) * kPeriod);
   };
   expectHeld(decide([](auto& e) { e.value[3] = kNaN; }));
   expectHeld(decide([](auto& e) { e.innovation[1] = kNaN; }));
   expectHeld(decide([](auto& e) { e.covariance[8] = -1.0; }));
   expectHeld(decide([](auto& e) { e.duration = 0; }));
-  EXPECT_GT(decide([](auto&) {}).gamma_1, good.gamma_1);
+  EXPECT_GT(decide([](auto&) {}).gamma1, good.gamma1);
   const EndOfRun other(handle, 6, 1);
   decide([](auto&) {});
 }

@@ -83,25 +83,25 @@ TEST_F(InjectorTest, FollowsHoldsResetsAndStops) {
   EXPECT_EQ(decision.effective_sequence, 2 * kPeriod);
   for (int i = 0; i < 2; ++i) decision = decide();  // the ramp is not at its end
   EXPECT_EQ(decision.state, Decision::TRACKING);
-  EXPECT_GT(decision.gamma_1, 0.0);
+  EXPECT_GT(decision.gamma1, 0.0);
   EXPECT_EQ(decisions_.size(), 3u);
 
   set("/compensation_injector/hold", true);
   const Decision held = decide();
   EXPECT_EQ(held.state, Decision::HOLDING);
-  EXPECT_EQ(decide().gamma_1, held.gamma_1);
+  EXPECT_EQ(decide().gamma1, held.gamma1);
   set("/compensation_injector/hold", false);
-  EXPECT_GT(decide().gamma_1, held.gamma_1);
+  EXPECT_GT(decide().gamma1, held.gamma1);
 
   std_srvs::Trigger reset;
   ASSERT_TRUE(ros::service::call("/compensation_injector/reset", reset));
   EXPECT_TRUE(reset.response.success);
-  EXPECT_LT(decide().gamma_1, held.gamma_1);
+  EXPECT_LT(decide().gamma1, held.gamma1);
 
   set("/compensation_injector/enable", false);
   for (int i = 0; i < 20; ++i) decision = decide();
   EXPECT_EQ(decision.state, Decision::DISABLED);
-  EXPECT_EQ(decision.gain_1, 0.0);
+  EXPECT_EQ(decision.gain1, 0.0);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ class NewSession(unittest.TestCase):
         elements, gains = Kept("/orbital_elements", OrbitalElements), Kept("/control_gains",
                                                                            ControlGains)
         first = wait_for("elements", elements.last).session
-        wait_for("compensation", lambda: gains.last() and abs(gains.last().compensation_gain_2) > 0)
+        wait_for("compensation", lambda: gains.last() and abs(gains.last().compensation_gain2) > 0)
         self.assertGreater(abs(elements.last().theta), 1.0)
 
         os.kill(plant_pid(), signal.SIGKILL)
@@ -98,8 +98,8 @@ class NewSession(unittest.TestCase):
         locked = [e.sequence for e in new_elements if e.status.phase_locked and
                   e.status.amplitude_locked and e.status.quadrature_locked]
         self.assertLess(locked[0], 1000)
-        self.assertEqual({g.compensation_gain_1 for g in new_gains[:3000]}, {0.0})
-        self.assertEqual({g.compensation_gain_2 for g in new_gains[:3000]}, {0.0})
+        self.assertEqual({g.compensation_gain1 for g in new_gains[:3000]}, {0.0})
+        self.assertEqual({g.compensation_gain2 for g in new_gains[:3000]}, {0.0})
 
 
 if __name__ == "__main__":

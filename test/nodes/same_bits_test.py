@@ -169,7 +169,7 @@ class SameBits(unittest.TestCase):
         self.assertEqual(len(live), 200)
         with rosbag.Bag(str(bag)) as recorded:
             acted = [message for topic, message, _ in recorded.read_messages()
-                     if topic.lstrip("/") == "control_gains" and message.compensation_gain_1 != 0]
+                     if topic.lstrip("/") == "control_gains" and message.compensation_gain1 != 0]
         self.assertGreater(len(acted), 1000, "the compensation must have acted")
 
         offline, report = self.identify(bag)

@@ -7,6 +7,7 @@
 #include "ring_gyro/ros/bag_file.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/message_checks.h"
+#include "ring_gyro/ros/message_version.h"
 
 namespace ring_gyro::bridge {
 
@@ -15,12 +16,8 @@ namespace ring_gyro::bridge {
 template <typename Message, typename OnMessage>
 void addMessages(const BagFile& bag, const OnMessage& on_message, BagSinks& sinks) {
   for (const BagConnection& connection : bag.connections()) {
-    if (connection.type != ros::message_traits::datatype<Message>()) continue;
-    if (connection.md5 != ros::message_traits::md5sum<Message>()) {
-      throw BagError(bag.path() + ": " + connection.topic + ": " + connection.type +
-                     " of another version of this package; read it with that version, or leave it "
-                     "out with rosbag filter");
-    }
+    if (!holds<Message>(connection)) continue;
+    requireVersion<Message>(bag, connection);
     const auto message = std::make_shared<Message>();
     sinks[connection.id] = [=](const BagMessage& found) {
       ros::serialization::IStream stream(found.bytes, found.size);

@@ -11,7 +11,7 @@ namespace ring_gyro::bridge {
 using RunEnds = std::map<std::uint32_t, std::uint64_t>;
 
 /// Has `ends` get what the end_of_run messages of a bag say, whatever their topic; it must outlive
-/// the reading.
+/// the reading. Throws BagError when another version of this package wrote them.
 void addRunEnds(const BagFile& bag, RunEnds& ends, BagSinks& sinks);
 
 }  // namespace ring_gyro::bridge
