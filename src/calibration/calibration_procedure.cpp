@@ -8,6 +8,7 @@
 
 #include "ring_gyro/calibration/rate_parity.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/formatted.h"
 #include "ring_gyro/signals/calibration_command.h"
 
 namespace cvg {
@@ -26,11 +27,7 @@ double duration(const ConverterParameters& converter, double time) {
   return std::ceil(time / block) * block;
 }
 
-std::string degreesPerSecond(double rate) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%+.4g deg/s", toDegrees(rate));
-  return text;
-}
+std::string degreesPerSecond(double rate) { return formatted("%+.4g deg/s", toDegrees(rate)); }
 
 RateHarmonics fit(const std::vector<AngleSample>& samples, double period) {
   return fitRateHarmonics(samples, windowOfTurns(samples, period));
@@ -83,17 +80,14 @@ CalibrationProcedure::CalibrationProcedure(const DeviceKnowledge& device,
                                            const ExtendedParameters& identification,
                                            const ConverterParameters& converter,
                                            std::int64_t period_blocks, const Corrections& initial)
-    : device_(device),
-      parameters_(parameters),
+    : device_(checked(device, "device")),
+      parameters_(checked(parameters, "calibration_run")),
       identification_(withCalibratedGroups(identification)),
       converter_(converter),
       period_blocks_(static_cast<std::uint64_t>(period_blocks)),
       corrections_(initial) {
-  device.requireResonance("calibration");
-  if (!(device.drive_gain > 0.0) || !(device.angular_gain > 0.0) || period_blocks <= 0) {
-    throw std::invalid_argument(
-        "calibration: device/drive_gain and device/angular_gain must be above zero, the period at "
-        "least one block");
+  if (period_blocks <= 0) {
+    throw std::invalid_argument("calibration: the period must be at least one block");
   }
   result_.angular_gain = device.angular_gain;
   const double rate =

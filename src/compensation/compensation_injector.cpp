@@ -4,20 +4,11 @@
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/square.h"
 #include "ring_gyro/signals/compensation_decision.h"
 
 namespace cvg {
 namespace {
-
-const InjectorParameters& checked(const InjectorParameters& parameters) {
-  InjectorParameters copy = parameters;
-  ParameterTable table;
-  copy.declare(table);
-  requireInRange(table, "compensation/");
-  return parameters;
-}
-
-double square(double x) { return x * x; }
 
 /// A sum is finite only when all of it is.
 bool finite(const ParameterEstimate& estimate) {
@@ -41,7 +32,7 @@ void InjectorParameters::declare(ParameterTable& table) {
 CompensationInjector::CompensationInjector(const DeviceKnowledge& device,
                                            const InjectorParameters& parameters,
                                            std::int64_t period_blocks)
-    : parameters_(checked(parameters)),
+    : parameters_(checked(parameters, "compensation")),
       damping_(2.0 * device.decayRate()),
       period_blocks_(period_blocks),
       enabled_(parameters.enabled) {

@@ -3,60 +3,16 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <limits>
-#include <locale>
-#include <sstream>
+
+#include "ring_gyro/common/number_text.h"
 
 namespace cvg {
 namespace {
-
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
-
-std::size_t skipDigits(const std::string& text, std::size_t at) {
-  while (at < text.size() && isDigit(text[at])) ++at;
-  return at;
-}
-
-/// [+-] digits [. digits] [e [+-] digits], with a digit in the mantissa.
-bool isDecimal(const std::string& text) {
-  std::size_t at = !text.empty() && (text[0] == '+' || text[0] == '-') ? 1 : 0;
-  const std::size_t whole_begin = at;
-  at = skipDigits(text, at);
-  std::size_t digits = at - whole_begin;
-  if (at < text.size() && text[at] == '.') {
-    const std::size_t fraction_begin = ++at;
-    at = skipDigits(text, at);
-    digits += at - fraction_begin;
-  }
-  if (digits == 0) return false;
-  if (at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
-    ++at;
-    if (at < text.size() && (text[at] == '+' || text[at] == '-')) ++at;
-    const std::size_t exponent_begin = at;
-    at = skipDigits(text, at);
-    if (at == exponent_begin) return false;
-  }
-  return at == text.size();
-}
 
 std::string lowerCase(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
-}
-
-std::optional<double> nonFiniteFromText(const std::string& text) {
-  std::string name = lowerCase(text);
-  bool negative = false;
-  if (!name.empty() && (name[0] == '+' || name[0] == '-')) {
-    negative = name[0] == '-';
-    name.erase(0, 1);
-  }
-  if (!name.empty() && name[0] == '.') name.erase(0, 1);
-  if (name == "nan") return std::numeric_limits<double>::quiet_NaN();
-  if (name != "inf" && name != "infinity") return std::nullopt;
-  const double infinity = std::numeric_limits<double>::infinity();
-  return negative ? -infinity : infinity;
 }
 
 std::string checkNumber(const Parameter& parameter, double value) {
@@ -130,25 +86,12 @@ std::string text(const std::vector<double>* values) {
 }  // namespace
 
 std::optional<double> numberFromText(const std::string& text) {
-  if (!isDecimal(text)) return nonFiniteFromText(text);
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  double value = 0.0;
-  in >> value;  // on overflow the largest number and a failure
-  if (in.fail()) return std::numeric_limits<double>::infinity();
-  return value;
-}
-
-std::string textFromNumber(double value) {
-  for (int digits = 6;; ++digits) {
-    std::ostringstream out;
-    out.imbue(std::locale::classic());
-    out.precision(digits);
-    out << value;
-    if (digits >= std::numeric_limits<double>::max_digits10) return out.str();
-    const std::optional<double> back = numberFromText(out.str());
-    if (back && *back == value) return out.str();
-  }
+  // What YAML writes with a point: .nan, -.inf.
+  const std::size_t point = text.find('.');
+  const bool sign = !text.empty() && (text[0] == '+' || text[0] == '-');
+  const bool word = point == (sign ? 1 : 0) && point + 1 < text.size() &&
+                    std::isalpha(static_cast<unsigned char>(text[point + 1])) != 0;
+  return parseNumber(word ? text.substr(0, point) + text.substr(point + 1) : text);
 }
 
 std::string storeText(const Parameter& parameter, const std::string& text) {

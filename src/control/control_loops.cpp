@@ -31,21 +31,13 @@ std::int64_t lockBlocks(const ConverterParameters& converter) {
   return static_cast<std::int64_t>(std::ceil(kLockTime / converter.blockDuration()));
 }
 
-const ControlParameters& checked(const ControlParameters& p) {
+const ControlParameters& checkedControl(const ControlParameters& p) {
   if (p.compensation && p.calibration_run) {
     throw std::invalid_argument(
         "control: compensation and calibration_run cannot both be true, each sets the damping "
         "compensation");
   }
-  return p;
-}
-
-const DeviceKnowledge& checked(const DeviceKnowledge& device) {
-  device.requireResonance("control loops");
-  if (!(device.drive_gain > 0.0)) {
-    throw std::invalid_argument("control loops: device/drive_gain must be above zero");
-  }
-  return device;
+  return checked(p, "control");
 }
 
 /// What the largest drive does to the orbit at the unit amplitude [V/s].
@@ -58,11 +50,11 @@ double mostRate(const DeviceKnowledge& device, const ControlParameters& control)
 ControlLoops::ControlLoops(const DeviceKnowledge& device, const ControlParameters& control,
                            const DemodulationParameters& demodulation,
                            const ConverterParameters& converter, const Corrections& corrections)
-    : device_(checked(device)),
-      parameters_(checked(control)),
-      demodulation_(demodulation),
-      converter_(converter),
-      corrections_(corrections),
+    : device_(checked(device, "device")),
+      parameters_(checkedControl(control)),
+      demodulation_(checked(demodulation, "demodulation")),
+      converter_(checked(converter, "converter")),
+      corrections_(checked(corrections, "calibration")),
       demodulator_(demodulation, converter, device.natural_frequency),
       phase_loop_(gainsOf(control.phase_loop), converter.blockDuration(),
                   -kTwoPi * control.frequency_range, kTwoPi * control.frequency_range),

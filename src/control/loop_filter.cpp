@@ -20,7 +20,6 @@ double LoopFilter::update(double error, double beside) {
   const double integral = integral_ + gains_.integral * period_ * error;
   const double wanted = gains_.proportional * error + integral;
   const double output = std::min(std::max(wanted, lowest), highest);
-  saturated_ = output != wanted;
   const bool pushes_out = (wanted > highest && error > 0.0) || (wanted < lowest && error < 0.0);
   if (!pushes_out) integral_ = std::min(std::max(integral, lowest), highest);
   return output;

@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/number_text.h"
 #include "ring_gyro/logs/log_error.h"
-#include "ring_gyro/logs/number_text.h"
 
 namespace cvg {
 namespace {

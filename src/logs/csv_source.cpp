@@ -4,8 +4,8 @@
 #include <array>
 #include <boost/algorithm/string/trim.hpp>
 
+#include "ring_gyro/common/number_text.h"
 #include "ring_gyro/logs/log_error.h"
-#include "ring_gyro/logs/number_text.h"
 #include "ring_gyro/logs/unit.h"
 
 namespace cvg {

@@ -7,8 +7,8 @@
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/formatted.h"
+#include "ring_gyro/common/number_text.h"
 #include "ring_gyro/demodulation/orbit.h"
-#include "ring_gyro/logs/number_text.h"
 
 namespace cvg {
 namespace {

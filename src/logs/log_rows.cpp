@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-#include "ring_gyro/logs/number_text.h"
+#include "ring_gyro/common/number_text.h"
 
 namespace cvg {
 namespace {

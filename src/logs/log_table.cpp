@@ -3,7 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "ring_gyro/logs/number_text.h"
+#include "ring_gyro/common/formatted.h"
+#include "ring_gyro/common/number_text.h"
 #include "ring_gyro/logs/quantity.h"
 
 namespace cvg {
@@ -41,10 +42,9 @@ std::string logHeader() {
 }
 
 void appendLogRow(const OrbitalElements& elements, const ControlGains& gains, std::string& text) {
-  char time[32];  // to the nanosecond, which a double could not hold of a wall clock
+  // To the nanosecond, which a double could not hold of a wall clock.
   const std::lldiv_t parts = std::lldiv(elements.stamp.end_ns, 1000000000LL);
-  std::snprintf(time, sizeof time, "%lld.%09lld", parts.quot, parts.rem);
-  text += time;
+  text += formatted("%lld.%09lld", parts.quot, parts.rem);
   const auto add = [&text](double value) {
     text += ',';
     appendNumber(text, value);

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "ring_gyro/common/number_text.h"
 #include "ring_gyro/logs/log_error.h"
 #include "ring_gyro/logs/mat_structure.h"
-#include "ring_gyro/logs/number_text.h"
 
 namespace cvg {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "ring_gyro/logs/number_text.h"
+#include "ring_gyro/common/number_text.h"
 
 namespace cvg {
 namespace {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ring_gyro/calibration/calibration_report.h"
+#include "ring_gyro/common/number_text.h"
 #include "ring_gyro/configuration/configuration_writer.h"
 #include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/conversions.h"

@@ -23,7 +23,11 @@ Eigen::Vector2cd delayPhasors(const AxisErrors& axes) {
   return {std::polar(1.0, -delays[0]), std::polar(1.0, -delays[1])};
 }
 
-PlantParameters withTuning(PlantParameters parameters) {
+PlantParameters checkedAndTuned(PlantParameters parameters) {
+  checked(parameters.resonator, "resonator");
+  checked(parameters.sense, "sense");
+  checked(parameters.drive, "drive");
+  checked(parameters.rotation, "rotation");
   const double bias = parameters.resonator.bias_voltage;
   if (bias > 0.0 && parameters.drive.bias_voltage > 0.0 && bias != parameters.drive.bias_voltage) {
     throw std::invalid_argument(
@@ -41,8 +45,8 @@ class PlantSimulator::Implementation {
  public:
   Implementation(const PlantParameters& parameters, const ConverterParameters& converter,
                  std::uint64_t seed, std::uint32_t session, std::int64_t start_ns)
-      : parameters_(withTuning(parameters)),
-        converter_(converter),
+      : parameters_(checkedAndTuned(parameters)),
+        converter_(checked(converter, "converter")),
         resonator_(parameters_.resonator),
         sampled_(parameters_.resonator, parameters.drive.gap_cubic, converter.samplePeriod()),
         rotation_(parameters.rotation),

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "ring_gyro/common/number_text.h"
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/configuration/parameter_text.h"
 

@@ -1,13 +1,11 @@
 #include "ring_gyro/simulation/monte_carlo.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 
+#include "ring_gyro/common/parallel_for.h"
 #include "ring_gyro/simulation/closed_loop.h"
 #include "ring_gyro/simulation/random_device.h"
 
@@ -93,30 +91,18 @@ MonteCarloItem runMonteCarloItem(const MonteCarlo& batch, std::uint64_t index) {
 }
 
 void runMonteCarlo(const MonteCarlo& batch, const std::vector<std::uint64_t>& indices,
-                   unsigned threads, const std::function<void(const MonteCarloItem&)>& finished) {
-  std::atomic<std::size_t> next{0};
+                   std::size_t threads,
+                   const std::function<void(const MonteCarloItem&)>& finished) {
   std::mutex mutex;
-  std::exception_ptr thrown;
-  const auto work = [&] {
-    for (std::size_t n = next++; n < indices.size(); n = next++) {
-      try {
-        const MonteCarloItem item = runMonteCarloItem(batch, indices[n]);
-        const std::lock_guard<std::mutex> lock(mutex);
-        if (thrown) return;
-        finished(item);
-      } catch (...) {
-        const std::lock_guard<std::mutex> lock(mutex);
-        if (!thrown) thrown = std::current_exception();
-        return;
-      }
-    }
-  };
-  std::vector<std::thread> others;
-  const auto wanted = std::min<std::size_t>(std::max(1u, threads), indices.size());
-  for (std::size_t k = 1; k < wanted; ++k) others.emplace_back(work);
-  work();
-  for (std::thread& other : others) other.join();
-  if (thrown) std::rethrow_exception(thrown);
+  bool failed = false;  // what had gone on meanwhile is not told any more
+  parallelFor(indices.size(), threads, [&](std::size_t n) {
+    const MonteCarloItem item = runMonteCarloItem(batch, indices[n]);
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (failed) return;
+    failed = true;
+    finished(item);
+    failed = false;
+  });
 }
 
 MonteCarloSummary summarise(const std::vector<MonteCarloItem>& items) {

@@ -20,6 +20,7 @@
 #include "command_line.h"
 #include "device_options.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/formatted.h"
 #include "ring_gyro/identification/filter/extended_identifier.h"
 #include "ring_gyro/identification/filter/identifier.h"
 #include "ring_gyro/identification/judge/batch_least_squares.h"
@@ -202,9 +203,7 @@ struct Row {
 
 std::string cell(bool known, double value) {
   if (!known) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1e", value);
-  return text;
+  return cvg::formatted("%.1e", value);
 }
 
 void print(const std::vector<Row>& rows) {

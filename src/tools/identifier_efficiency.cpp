@@ -6,7 +6,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <complex>
 #include <cstdio>
@@ -15,9 +14,9 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "ring_gyro/common/parallel_for.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/control/control_loops.h"
 #include "ring_gyro/identification/filter/extended_identifier.h"
@@ -151,23 +150,8 @@ void run(cvg::LoopConfiguration configuration, std::uint64_t seeds) {
   const Eigen::Index size = state.size() - 4;
   Statistics statistics(size);
   std::mutex mutex;
-  std::atomic<std::uint64_t> next{1};
-  std::string error;
-  std::vector<std::thread> threads;
-  for (unsigned t = 0; t < std::max(1u, std::thread::hardware_concurrency()); ++t) {
-    threads.emplace_back([&] {
-      try {
-        for (std::uint64_t seed = next++; seed <= seeds; seed = next++) {
-          addSeed(configuration, truth, seed, mutex, statistics);
-        }
-      } catch (const std::exception& failure) {
-        const std::lock_guard<std::mutex> lock(mutex);
-        error = failure.what();
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  if (!error.empty()) throw std::runtime_error(error);
+  cvg::parallelFor(seeds, cvg::coreCount(),
+                   [&](std::size_t k) { addSeed(configuration, truth, k + 1, mutex, statistics); });
 
   const double count = static_cast<double>(seeds);
   std::printf(

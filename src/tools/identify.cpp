@@ -21,7 +21,9 @@
 #include "command_line.h"
 #include "device_options.h"
 #include "progress_bar.h"
+#include "ring_gyro/common/formatted.h"
 #include "ring_gyro/common/output_target.h"
+#include "ring_gyro/common/parallel_for.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/identification/filter/extended_identifier.h"
 #include "ring_gyro/ros/bag_identification.h"
@@ -132,13 +134,9 @@ class Identification {
   }
 
   const std::vector<Outcome>& run() {
-    const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-    std::vector<std::thread> threads;
-    for (std::size_t i = 0; i < std::min(cores, runs_.size()); ++i) {
-      threads.emplace_back([this] { work(); });
-    }
-    showProgress();
-    for (std::thread& thread : threads) thread.join();
+    std::thread progress([this] { showProgress(); });
+    cvg::parallelFor(runs_.size(), cvg::coreCount(), [this](std::size_t run) { work(run); });
+    progress.join();
     return outcomes_;
   }
 
@@ -150,17 +148,15 @@ class Identification {
     std::atomic<double> done{0.0};
   };
 
-  void work() {
-    for (std::size_t run = next_++; run < runs_.size(); run = next_++) {
-      try {
-        outcomes_[run].result = identify(runs_[run], progress_[run]);
-      } catch (const std::exception& error) {
-        outcomes_[run].error = error.what();
-      }
-      const std::lock_guard<std::mutex> lock(mutex_);
-      ++finished_;
-      finished_changed_.notify_one();
+  void work(std::size_t run) {
+    try {
+      outcomes_[run].result = identify(runs_[run], progress_[run]);
+    } catch (const std::exception& error) {
+      outcomes_[run].error = error.what();
     }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++finished_;
+    finished_changed_.notify_one();
   }
 
   bridge::IdentificationResult identify(const std::vector<std::string>& bags,
@@ -202,7 +198,6 @@ class Identification {
   std::vector<std::vector<std::string>> runs_;
   std::vector<Outcome> outcomes_;
   std::vector<Progress> progress_;
-  std::atomic<std::size_t> next_{0};
   std::mutex mutex_;
   std::condition_variable finished_changed_;
   std::size_t finished_ = 0;
@@ -235,23 +230,20 @@ ExtendedReport extendedReport(const std::vector<std::string>& bags, const Argume
   if (!last.scaled) {
     return {"  extended     not identified: no complete period of usable blocks\n", ""};
   }
-  char line[160];
   std::string text;
   const std::string misfit = nis.misfit(4);
   const std::uint64_t updates = nis.updates_converged;
-  std::snprintf(
-      line, sizeof line, "  extended     %s, Q %.8g, mean NIS %.3f of 4 over %llu updates\n",
-      !misfit.empty() ? "does not fit"
-      : last.settled  ? "settled"
-                      : "the cubic term is not found yet",
-      last.quality_factor, updates > 0 ? nis.sum_converged / static_cast<double>(updates) : 0.0,
-      static_cast<unsigned long long>(updates));
-  text += line;
+  text += cvg::formatted("  extended     %s, Q %.8g, mean NIS %.3f of 4 over %llu updates\n",
+                         !misfit.empty() ? "does not fit"
+                         : last.settled  ? "settled"
+                                         : "the cubic term is not found yet",
+                         last.quality_factor,
+                         updates > 0 ? nis.sum_converged / static_cast<double>(updates) : 0.0,
+                         static_cast<unsigned long long>(updates));
   for (std::size_t k = 4; k < identifier.names().size(); ++k) {
     const auto state = static_cast<Eigen::Index>(k);
-    std::snprintf(line, sizeof line, "    %-21s %20.13g +- %.2g\n", identifier.names()[k].c_str(),
-                  last.value[state], last.sigma(state));
-    text += line;
+    text += cvg::formatted("    %-21s %20.13g +- %.2g\n", identifier.names()[k].c_str(),
+                           last.value[state], last.sigma(state));
   }
   return {text, misfit};
 }

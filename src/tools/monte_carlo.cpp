@@ -17,13 +17,14 @@
 #include <optional>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "command_line.h"
 #include "line_file.h"
 #include "progress_bar.h"
+#include "ring_gyro/common/formatted.h"
 #include "ring_gyro/common/output_target.h"
+#include "ring_gyro/common/parallel_for.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 
@@ -119,9 +120,7 @@ std::string fingerprint(const cvg::MonteCarlo& batch) {
   }
   std::uint64_t hash = 14695981039346656037u;
   for (const char c : text.str()) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016" PRIx64, hash);
-  return digits;
+  return cvg::formatted("%016" PRIx64, hash);
 }
 
 Json byName(const std::array<double, 5>& values) {
@@ -308,9 +307,7 @@ void runBatch(const Arguments& arguments) {
   for (const std::uint64_t index : arguments.range.indices()) {
     if (lines.by_index.count(index) == 0) left.push_back(index);
   }
-  const unsigned threads = arguments.threads != 0
-                               ? arguments.threads
-                               : std::max(1u, std::thread::hardware_concurrency());
+  const std::size_t threads = arguments.threads != 0 ? arguments.threads : cvg::coreCount();
   ProgressBar progress(static_cast<double>(left.size()), "items");
   double done = 0.0;
   cvg::runMonteCarlo(batch, left, threads, [&](const cvg::MonteCarloItem& item) {

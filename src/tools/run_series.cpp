@@ -10,6 +10,7 @@
 
 #include "ring_gyro/analysis/allan_deviation.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/formatted.h"
 #include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/common/write_fault.h"
 #include "run_report.h"
@@ -30,9 +31,7 @@ class Table {
       if (!first) text_ += ',';
       first = false;
       if (!std::isfinite(value)) continue;  // an empty cell
-      char cell[32];
-      std::snprintf(cell, sizeof(cell), "%.10g", value);
-      text_ += cell;
+      text_ += cvg::formatted("%.10g", value);
     }
     text_ += '\n';
   }

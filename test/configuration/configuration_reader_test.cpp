@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <string>
 
@@ -198,11 +199,14 @@ TEST(ConfigurationReader, ReadsThePresets) {
   }
 }
 
-TEST(ParameterText, NumbersSurviveAsText) {
-  for (const double value : {0.1, -1.0 / 3.0, 14.195e3, 5e-324, 1.7976931348623157e308, 0.0}) {
-    EXPECT_EQ(*numberFromText(textFromNumber(value)), value);
+TEST(ParameterText, TakesTheNumbersOfYamlThatAreNone) {
+  for (const char* text : {".nan", "nan", ".NaN"}) EXPECT_TRUE(std::isnan(*numberFromText(text)));
+  for (const char* text : {".inf", "+.inf", "inf", "1e400"}) {
+    EXPECT_EQ(*numberFromText(text), std::numeric_limits<double>::infinity()) << text;
   }
-  EXPECT_EQ(textFromNumber(0.2), "0.2");
+  EXPECT_EQ(*numberFromText("-.Inf"), -std::numeric_limits<double>::infinity());
+  for (const char* text : {".", "..inf", ".in", "-", "1.inf"})
+    EXPECT_FALSE(numberFromText(text)) << text;
 }
 
 TEST(ParametersMarkdown, IsThePageInDocs) {

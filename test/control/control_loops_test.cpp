@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <random>
+#include <stdexcept>
+#include <string>
 
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/demodulation/orbit.h"
@@ -75,6 +78,36 @@ class Loop {
   ControlLoops loops_;
   DisplacementBlock block_;
 };
+
+/// Every kind of parameter that it is made from, with the key in what it says.
+TEST(ControlLoops, RefuseWhatTheyCannotUse) {
+  const auto refused = [](const std::string& key, const std::function<void(LoopSetup&)>& change) {
+    LoopSetup setup;
+    DemodulationParameters demodulation;
+    change(setup);
+    try {
+      ControlLoops loops(setup.device, setup.control, demodulation, setup.converter,
+                         setup.corrections);
+      ADD_FAILURE() << key;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(key), std::string::npos) << error.what();
+    }
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  refused("device/natural_frequency", [](auto& s) { s.device.natural_frequency = 0.0; });
+  refused("device/quality_factor", [=](auto& s) { s.device.quality_factor = nan; });
+  refused("device/drive_gain", [](auto& s) { s.device.drive_gain = -1.0; });
+  refused("control/amplitude", [](auto& s) { s.control.amplitude = 0.0; });
+  refused("control/drive_limit", [](auto& s) { s.control.drive_limit = -10.0; });
+  refused("control/learning_rate", [=](auto& s) { s.control.learning_rate = nan; });
+  refused("bandwidth", [](auto& s) { s.control.phase_loop.bandwidth = 0.0; });
+  refused("damping", [=](auto& s) { s.control.angle_tracker.damping = nan; });
+  refused("converter/block_samples", [](auto& s) { s.converter.block_samples = 0; });
+  refused("calibration/pickoff_cubic", [=](auto& s) { s.corrections.pickoff_cubic = nan; });
+  refused("calibration/drift_cosine", [=](auto& s) { s.corrections.drift.cosine = {nan}; });
+  refused("compensation and calibration_run",
+          [](auto& s) { s.control.compensation = s.control.calibration_run = true; });
+}
 
 TEST(ControlLoops, RingUpAndLockFromRest) {
   Loop loop{LoopSetup()};

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/logs/number_text.h"
+#include "ring_gyro/common/number_text.h"
 
 namespace cvg {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "logs/log_fixture.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/number_text.h"
 #include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/logs/log_table.h"
-#include "ring_gyro/logs/number_text.h"
 #include "ring_gyro/logs/quantity.h"
 
 namespace cvg {

@@ -4,7 +4,7 @@
 
 namespace cvg {
 
-/// As std::printf prints it; lines of up to 511 characters.
+/// As std::printf prints it, however long. Throws std::invalid_argument for what it cannot print.
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif

@@ -85,6 +85,17 @@ class ParameterTable {
 /// "--".
 void requireInRange(const ParameterTable& table, const std::string& prefix);
 
+/// `parameters` themselves when each value of their table can be; throws as requireInRange() does
+/// when not. `section` is their section of the configuration.
+template <typename Parameters>
+const Parameters& checked(const Parameters& parameters, const char* section) {
+  Parameters copy = parameters;
+  ParameterTable table;
+  copy.declare(table);
+  requireInRange(table, std::string(section) + "/");
+  return parameters;
+}
+
 /// A section of the configuration: its name and its parameters.
 struct Section {
   std::string name;

@@ -7,12 +7,8 @@
 
 namespace cvg {
 
-/// The number that `text` wholly is, written with digits, point and exponent, or as nan, inf or
-/// YAML's .nan, .inf (then not finite); nothing when it is something else. Whatever the locale.
+/// As parseNumber(), with YAML's .nan and .inf.
 std::optional<double> numberFromText(const std::string& text);
-
-/// The shortest decimal text that reads back as the same number.
-std::string textFromNumber(double value);
 
 /// Why `text` cannot be the value of `parameter`, empty when it can and has been stored.
 std::string storeText(const Parameter& parameter, const std::string& text);

@@ -23,7 +23,6 @@ class LoopFilter {
   double update(double error, double beside = 0.0);
   void reset(double integral = 0.0) { integral_ = integral; }
   double integral() const { return integral_; }
-  bool saturated() const { return saturated_; }
 
  private:
   LoopGains gains_;
@@ -31,7 +30,6 @@ class LoopFilter {
   double lowest_;
   double highest_;
   double integral_ = 0.0;
-  bool saturated_ = false;
 };
 
 }  // namespace cvg

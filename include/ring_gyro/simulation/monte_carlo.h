@@ -57,7 +57,7 @@ MonteCarloItem runMonteCarloItem(const MonteCarlo& batch, std::uint64_t index);
 /// Runs the items on `threads` threads. `finished` is called for each as it ends, one at a time, in
 /// no order. What it throws, or an item, ends the batch and is thrown from here.
 void runMonteCarlo(const MonteCarlo& batch, const std::vector<std::uint64_t>& indices,
-                   unsigned threads, const std::function<void(const MonteCarloItem&)>& finished);
+                   std::size_t threads, const std::function<void(const MonteCarloItem&)>& finished);
 
 /// Errors of one parameter over many items; of ks relative to its truth.
 struct ParameterStatistics {

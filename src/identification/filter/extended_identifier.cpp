@@ -3,21 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ring_gyro/common/square.h"
 #include "ring_gyro/demodulation/orbit.h"
 #include "ring_gyro/identification/filter/extended_prior.h"
 
 namespace cvg {
 namespace {
-
-const ExtendedParameters& checked(const ExtendedParameters& parameters) {
-  ExtendedParameters copy = parameters;
-  ParameterTable table;
-  copy.declare(table);
-  requireInRange(table, "extended/");
-  return parameters;
-}
-
-double square(double x) { return x * x; }
 
 // Relative change of an orbit by the cubic term. Known this well, the term is found; off by less
 // than that from where the filter started, it makes no difference; known this well, linearising at
@@ -51,7 +42,7 @@ double ExtendedEstimate::sigma(Eigen::Index state) const {
 ExtendedIdentifier::ExtendedIdentifier(const DeviceKnowledge& device,
                                        const ExtendedParameters& parameters,
                                        const ConverterParameters& converter)
-    : parameters_(checked(parameters)),
+    : parameters_(checked(parameters, "extended")),
       state_(device, parameters),
       periods_(converter.wholeBlocks(parameters.update_period, "extended/update_period")),
       block_duration_(converter.blockDuration()),

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "ring_gyro/common/square.h"
+
 namespace cvg {
 namespace {
 
@@ -21,16 +23,6 @@ constexpr double kPaperMeasurementNoise = 1e-4;
 // instruction cache, is then run several times in a row.
 constexpr int kMostWaiting = 4 * static_cast<int>(kLanes);
 static_assert(kMostWaiting <= static_cast<int>(BlockChain::kReach));
-
-const IdentificationParameters& checked(const IdentificationParameters& parameters) {
-  IdentificationParameters copy = parameters;
-  ParameterTable table;
-  copy.declare(table);
-  requireInRange(table, "identification/");
-  return parameters;
-}
-
-double square(double x) { return x * x; }
 
 IntervalNoise intervalNoise(const IdentificationParameters& parameters, double block_duration,
                             std::int64_t period_blocks) {
@@ -92,7 +84,7 @@ void IdentificationParameters::declare(ParameterTable& table) {
 
 Identifier::Identifier(const DeviceKnowledge& device, const IdentificationParameters& parameters,
                        const ConverterParameters& converter)
-    : parameters_(checked(parameters)),
+    : parameters_(checked(parameters, "identification")),
       model_(device),
       filter_(model_, intervalNoise(parameters, converter.blockDuration(),
                                     parameters.periodBlocks(converter))),

@@ -37,7 +37,7 @@ struct BatchLeastSquares::Normal {
 BatchLeastSquares::BatchLeastSquares(const DeviceKnowledge& device,
                                      const ExtendedParameters& parameters,
                                      const ConverterParameters& converter)
-    : parameters_(parameters),
+    : parameters_(checked(parameters, "extended")),
       model_(ExtendedState(device, parameters)),
       period_blocks_(static_cast<std::size_t>(
           converter.wholeBlocks(parameters.update_period, "extended/update_period"))),

@@ -3,12 +3,11 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "ring_gyro/common/square.h"
 #include "ring_gyro/demodulation/orbit.h"
 
 namespace cvg {
 namespace {
-
-double square(double x) { return x * x; }
 
 /// Prior of the moving states: they are seen from the first block on.
 double unknown(double sample_variance) { return 1e3 * std::sqrt(sample_variance); }

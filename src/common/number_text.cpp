@@ -1,4 +1,4 @@
-#include "ring_gyro/logs/number_text.h"
+#include "ring_gyro/common/number_text.h"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +10,9 @@
 
 #if !defined(__cpp_lib_to_chars)
 #include <locale.h>
+#else
+#include <locale>
+#include <sstream>
 #endif
 
 namespace cvg {
@@ -21,8 +24,17 @@ constexpr std::size_t kLongest = 400;  // characters of a number
 #if defined(__cpp_lib_to_chars)
 bool convert(const char* begin, const char* end, double& value) {
   const auto [stop, error] = std::from_chars(begin, end, value);
-  if (error == std::errc::result_out_of_range) value = std::numeric_limits<double>::infinity();
-  return stop == end && error != std::errc::invalid_argument;
+  if (stop != end || error == std::errc::invalid_argument) return false;
+  if (error != std::errc::result_out_of_range) return true;
+  // Too large or too small: from_chars does not say which.
+  std::istringstream in(std::string(begin, end));
+  in.imbue(std::locale::classic());
+  in >> value;
+  if (in.fail()) {
+    value = *begin == '-' ? -std::numeric_limits<double>::infinity()
+                          : std::numeric_limits<double>::infinity();
+  }
+  return true;
 }
 
 char* print(char* begin, char* end, double value) { return std::to_chars(begin, end, value).ptr; }
@@ -42,20 +54,29 @@ bool convert(const char* begin, const char* end, double& value) {
 
 char* print(char* begin, char* end, double value) {
   const locale_t before = uselocale(plainLocale());
-  const int length = std::snprintf(begin, static_cast<std::size_t>(end - begin), "%.17g", value);
+  int length = 0;
+  for (int digits = 1; digits <= std::numeric_limits<double>::max_digits10; ++digits) {
+    length = std::snprintf(begin, static_cast<std::size_t>(end - begin), "%.*g", digits, value);
+    double back = 0.0;
+    if (convert(begin, begin + length, back) && back == value) break;
+  }
   uselocale(before);
   return begin + length;
 }
 #endif
 
 bool isBlank(char c) { return c == ' ' || c == '\t'; }
+bool isSign(char c) { return c == '+' || c == '-'; }
 
 }  // namespace
 
 std::optional<double> parseNumber(std::string_view text, char decimal) {
   while (!text.empty() && isBlank(text.front())) text.remove_prefix(1);
   while (!text.empty() && isBlank(text.back())) text.remove_suffix(1);
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  if (!text.empty() && text.front() == '+') {
+    text.remove_prefix(1);
+    if (!text.empty() && isSign(text.front())) return std::nullopt;
+  }
   if (text.empty() || text.size() > kLongest) return std::nullopt;
   // What may stand first: both converters would take more, such as a hexadecimal or "nan(1)".
   const char first = text.front() == '-' && text.size() > 1 ? text[1] : text.front();
@@ -78,6 +99,12 @@ void appendNumber(std::string& text, double value) {
   std::array<char, 40> buffer;
   char* const end = print(buffer.data(), buffer.data() + buffer.size(), value);
   text.append(buffer.data(), static_cast<std::size_t>(end - buffer.data()));
+}
+
+std::string textFromNumber(double value) {
+  std::string text;
+  appendNumber(text, value);
+  return text;
 }
 
 }  // namespace cvg
