@@ -4,6 +4,7 @@
 usage: check_floors_test.py PACKAGE [RESULT.xml]
 """
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -63,6 +64,28 @@ class CheckFloors(unittest.TestCase):
     def test_this_package_is_right(self):
         done = check(PACKAGE)
         self.assertEqual(done.returncode, 0, done.stdout)
+
+
+class Architecture(unittest.TestCase):
+    """The page says what there is."""
+
+    def setUp(self):
+        self.page = (PACKAGE / "docs" / "architecture.md").read_text()
+
+    def test_each_stop_of_the_walk_is_there_and_none_twice(self):
+        stops = re.findall(r"^\| `([\w/]+\.(?:h|cpp))`, `([\w:]+)` \|", self.page, re.MULTILINE)
+        self.assertGreater(len(stops), 20)
+        self.assertEqual(len(stops), len({file for file, _ in stops}))
+        for file, name in stops:
+            with self.subTest(file=file, name=name):
+                places = [PACKAGE / "src" / file, PACKAGE / "include" / "ring_gyro" / file]
+                texts = [place.read_text() for place in places if place.exists()]
+                self.assertTrue(any(re.search(rf"\b{name}\b", text) for text in texts))
+
+    def test_each_floor_is_in_its_table(self):
+        for base in (PACKAGE / "src", PACKAGE / "include" / "ring_gyro"):
+            for folder in {file.parent.relative_to(base) for file in base.rglob("*.h")}:
+                self.assertIn(f"`{folder.as_posix()}`", self.page)
 
 
 if __name__ == "__main__":
