@@ -16,6 +16,7 @@
 #include "interleaved.h"
 #include "plain_loop.h"
 #include "resonator/reference_solution.h"
+#include "ring_gyro/common/item_range.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/simulation/closed_loop.h"
 #include "ring_gyro/simulation/monte_carlo.h"
@@ -298,7 +299,7 @@ void twoCoresAgainstOne(benchmark::State& state, const std::string& configuratio
   MonteCarlo batch;
   batch.configuration = configurationOf(configuration_file, 0.1, true);
   batch.configuration.run.duration = 2.0;
-  MonteCarloRange range;
+  ItemRange range;
   range.count = kItems;
   const auto run = [&](unsigned threads, std::uint64_t count) {
     range.count = count;

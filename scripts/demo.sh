@@ -129,5 +129,5 @@ fi
 cat "$output/summary.txt"
 echo
 echo "plots:"
-"$root/scripts/plot_run.py" "$output" || fail "no plots"
+rosrun ring_gyro plot_run.py "$output" || fail "no plots"
 echo "bag and tables: $bag $output/summary.txt $output/summary.json"

@@ -18,7 +18,8 @@ setup_packages() { # tests: yes or no; benchmark: yes or no
   # shellcheck source=/dev/null
   version=$(. /etc/os-release && printf '%s' "${VERSION_ID:-}")
   printf '%s\n' build-essential cmake ccache libeigen3-dev libhdf5-dev libmatio-dev pkg-config libyaml-cpp-dev libboost-dev \
-    libboost-program-options-dev libboost-filesystem-dev nlohmann-json3-dev python3 python3-numpy python3-matplotlib python3-yaml zlib1g-dev
+    libboost-program-options-dev libboost-filesystem-dev nlohmann-json3-dev python3 python3-numpy python3-matplotlib \
+    python3-setuptools python3-yaml zlib1g-dev
   case "$id-$version" in
     debian-*)
       printf '%s\n' catkin ros-core-dev ros-base-dev rosbash libdiagnostic-updater-dev \

@@ -137,6 +137,13 @@ installed_launch() { # nodelets
   run_installed rosrun ring_gyro summarise_run "$work/installed_launch.bag"
 }
 
+# Messages and helpers are one Python package.
+installed_python() {
+  run_installed /usr/bin/python3 -c 'import ring_gyro.msg, ring_gyro.report_figures, ring_gyro.tools
+import sys
+sys.exit(not ring_gyro.tools.__file__.startswith(sys.argv[1]))' "$space"
+}
+
 # With the graph above, each nodelet there is has been loaded from the install space.
 installed_calibration() {
   rm -f "$work/installed_calibration.yaml"
@@ -165,6 +172,7 @@ if check install install_release; then
   check installed_launch installed_launch false || true
   check installed_nodelets installed_launch true || true
   check installed_calibration installed_calibration || true
+  check installed_python installed_python || true
 fi
 
 mkdir -p "$work/release/test_results"

@@ -249,6 +249,12 @@ std::string mainReasonOf(const cvg::BlockUseCounts& uses) {
   return most->blocks == 0 ? "" : number(most->blocks) + " " + most->text;
 }
 
+Verdict verdictOf(const IdentificationResult& result, const cvg::LoopConfiguration& configuration) {
+  if (!failureOf(result.report, configuration).empty()) return Verdict::kFailed;
+  const bool faulty = !result.damage.empty() || !faultsOf(result.report, configuration).empty();
+  return faulty ? Verdict::kIdentifiedWithFaults : Verdict::kIdentified;
+}
+
 std::string failureOf(const IdentificationReport& report,
                       const cvg::LoopConfiguration& configuration) {
   if (report.pairs.pairs == 0) return noPairs(report);

@@ -58,18 +58,6 @@ void run(const LoopConfiguration& configuration, MonteCarloItem& item) {
 
 }  // namespace
 
-std::vector<std::uint64_t> MonteCarloRange::indices() const {
-  if (shards == 0 || shard >= shards) {
-    throw std::invalid_argument("shard " + std::to_string(shard) + " of " + std::to_string(shards) +
-                                ": must be 0 to one less than their number");
-  }
-  std::vector<std::uint64_t> result;
-  for (std::uint64_t index = first; index < first + count; ++index) {
-    if (index % shards == shard) result.push_back(index);
-  }
-  return result;
-}
-
 MonteCarloItem runMonteCarloItem(const MonteCarlo& batch, std::uint64_t index) {
   MonteCarloItem item;
   item.index = index;

@@ -274,15 +274,16 @@ int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
     }
     std::fflush(stdout);
     for (const std::string& line : result.damage) say(source, line);
-    const std::string failure = bridge::failureOf(result.report, configuration);
-    const std::vector<std::string> faults = bridge::faultsOf(result.report, configuration);
-    if (!failure.empty()) {
-      say(source, failure);
+    const bridge::Verdict verdict = bridge::verdictOf(result, configuration);
+    if (verdict == bridge::Verdict::kFailed) {
+      say(source, bridge::failureOf(result.report, configuration));
       failed = true;
     } else {
-      for (const std::string& line : faults) say(source, line);
+      for (const std::string& line : bridge::faultsOf(result.report, configuration)) {
+        say(source, line);
+      }
+      faulty = faulty || verdict == bridge::Verdict::kIdentifiedWithFaults;
     }
-    faulty = faulty || !faults.empty() || !result.damage.empty();
     results.push_back(result);
   }
   if (!results.empty()) json.finish(bridge::identificationJson(results, configuration));

@@ -3,13 +3,10 @@
 #include "ring_gyro/simulation/monte_carlo.h"
 
 #include <boost/program_options.hpp>
-#include <cerrno>
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <map>
@@ -20,12 +17,11 @@
 #include <vector>
 
 #include "command_line.h"
-#include "line_file.h"
+#include "line_batch.h"
 #include "progress_bar.h"
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/common/output_target.h"
 #include "ring_gyro/common/parallel_for.h"
-#include "ring_gyro/common/whole_file.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 
 namespace ring_gyro::tools {
@@ -38,30 +34,16 @@ struct Arguments {
   std::string configuration_file;
   std::vector<std::string> overrides;
   bool random_devices = false;
-  cvg::MonteCarloRange range;
+  cvg::ItemRange range;
   unsigned threads = 0;
   std::string output;
   bool resume = false;
   std::vector<std::string> merge;
 };
 
-cvg::MonteCarloRange rangeOf(std::uint64_t first, std::uint64_t count, const std::string& shard) {
-  cvg::MonteCarloRange range;
-  range.first = first;
-  range.count = count;
-  char end = '\0';
-  if (!shard.empty() && std::sscanf(shard.c_str(), "%" SCNu64 "/%" SCNu64 "%c", &range.shard,
-                                    &range.shards, &end) != 2) {
-    throw options::error("--shard " + shard + ": must be K/N, K from 0 to N - 1");
-  }
-  return range;
-}
-
 /// Nothing when the program has already said what was asked (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
-  std::uint64_t first = 0;
-  std::uint64_t count = 0;
   std::string shard;
   options::options_description description("monte_carlo");
   description.add_options()("help,h", "this text")(
@@ -70,8 +52,9 @@ std::optional<Arguments> parse(int argc, char** argv) {
       "section/key=value, in place of what the file says; may be repeated")(
       "random-devices", options::bool_switch(&arguments.random_devices),
       "each item has a device of its own, drawn by its index (docs/batch.md)")(
-      "first", options::value(&first), "index of the first item; the seed is run/seed + index")(
-      "count", options::value(&count), "number of items")(
+      "first", options::value(&arguments.range.first),
+      "index of the first item; the seed is run/seed + index")(
+      "count", options::value(&arguments.range.count), "number of items")(
       "shard", options::value(&shard), "K/N: of these items only those with index % N = K")(
       "threads", options::value(&arguments.threads), "0: all cores")(
       "output,o", options::value(&arguments.output), "file to which a JSON line is added per item")(
@@ -90,8 +73,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
   if (!arguments.merge.empty()) return arguments;
   if (arguments.configuration_file.empty()) throw options::error("--config FILE is missing");
   if (arguments.output.empty()) throw options::error("--output FILE is missing");
-  if (count == 0) throw options::error("--count N is missing, or zero");
-  arguments.range = rangeOf(first, count, shard);
+  if (arguments.range.count == 0) throw options::error("--count N is missing, or zero");
+  setShard(shard, arguments.range);
   return arguments;
 }
 
@@ -142,11 +125,6 @@ std::array<double, 5> byName(const Json& json) {
   return values;
 }
 
-/// One line, whatever bytes a path in a message has.
-std::string textOf(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 std::string lineOf(const cvg::MonteCarloItem& item, const std::string& batch) {
   Json json;
   json["index"] = item.index;
@@ -154,7 +132,7 @@ std::string lineOf(const cvg::MonteCarloItem& item, const std::string& batch) {
   json["seed"] = item.seed;
   if (!item.refused.empty()) {
     json["refused"] = item.refused;
-    return textOf(json);
+    return asLine(json);
   }
   json["natural_frequency"] = item.natural_frequency;
   json["quality_factor"] = item.quality_factor;
@@ -169,7 +147,7 @@ std::string lineOf(const cvg::MonteCarloItem& item, const std::string& batch) {
   json["sigma"] = byName(item.sigma);
   json["updates"] = item.updates;
   json["mean_normalised_innovation_squared"] = item.mean_normalised_innovation_squared;
-  return textOf(json);
+  return asLine(json);
 }
 
 cvg::MonteCarloItem itemOf(const Json& json) {
@@ -189,55 +167,17 @@ cvg::MonteCarloItem itemOf(const Json& json) {
   return item;
 }
 
-/// The whole lines of a file, by index.
-struct Lines {
-  std::map<std::uint64_t, std::string> by_index;
-  std::string batch;
-  std::size_t whole = 0;  // bytes up to the end of the last whole line
-};
-
-/// Adds the lines of a file; a last one without its end is left out. Throws std::runtime_error
-/// naming file and line where one is not of this kind, or differs from one with the same index.
-void readLines(const std::string& path, Lines& lines) {
-  std::ifstream file(path, std::ios::binary);
-  file.peek();  // a folder can be opened, but not read
-  if (file.bad() || !file.is_open()) {
-    throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
-  }
-  file.clear();
-  std::ostringstream content;
-  content << file.rdbuf();
-  const std::string text = content.str();
-  lines.whole = 0;
-  std::size_t number = 0;
-  for (std::size_t end = text.find('\n'); end != std::string::npos;
-       end = text.find('\n', lines.whole)) {
-    ++number;
-    const std::string where = path + ":" + std::to_string(number) + ": ";
-    const std::string line = text.substr(lines.whole, end + 1 - lines.whole);
-    lines.whole = end + 1;
-    std::uint64_t index = 0;
-    std::string batch;
-    try {
-      const Json json = Json::parse(line);
-      index = json.at("index");
-      batch = json.at("batch").get<std::string>();
-      itemOf(json);
-    } catch (const Json::exception& error) {
-      throw std::runtime_error(where + "no line of monte_carlo: " + error.what());
-    }
-    if (!lines.batch.empty() && batch != lines.batch) {
-      throw std::runtime_error(where +
-                               "of another configuration than the lines before or the "
-                               "present one; give each batch files of its own");
-    }
-    lines.batch = batch;
-    const auto place = lines.by_index.emplace(index, line);
-    if (place.first->second != line) {
-      throw std::runtime_error(where + "item " + std::to_string(index) +
-                               " is there twice and differs: run by different builds?");
-    }
-  }
+/// Of one batch: all lines have the mark of one configuration, of `of` or else of the first.
+LineCheck checkOf(const std::string& of = "") {
+  return [batch = of](std::uint64_t /*index*/, const Json& json) mutable {
+    itemOf(json);
+    const std::string mark = json.at("batch");
+    if (batch.empty()) batch = mark;
+    if (mark == batch) return;
+    throw std::runtime_error(
+        "of another configuration than the lines before or the present one; give each batch files "
+        "of its own");
+  };
 }
 
 void print(const cvg::MonteCarloSummary& summary) {
@@ -265,21 +205,11 @@ void printReasons(const std::vector<cvg::MonteCarloItem>& items) {
   }
 }
 
-void printStatistics(const Lines& lines) {
+void printStatistics(const LinesByIndex& lines) {
   std::vector<cvg::MonteCarloItem> items;
-  for (const auto& line : lines.by_index) items.push_back(itemOf(Json::parse(line.second)));
+  for (const auto& line : lines) items.push_back(itemOf(Json::parse(line.second)));
   print(summarise(items));
   printReasons(items);
-}
-
-void merge(const Arguments& arguments) {
-  cvg::requireApart({arguments.output}, arguments.merge);
-  cvg::WholeFile output(arguments.output);
-  Lines lines;
-  for (const std::string& path : arguments.merge) readLines(path, lines);
-  for (const auto& line : lines.by_index) output.write(line.second);
-  output.finish();
-  printStatistics(lines);
 }
 
 void runBatch(const Arguments& arguments) {
@@ -290,34 +220,17 @@ void runBatch(const Arguments& arguments) {
   const std::string name = fingerprint(batch);
 
   cvg::requireApart({arguments.output}, batch.configuration.files);
-  LineFile file(arguments.output);
-  Lines lines;
-  lines.batch = name;
-  if (arguments.resume && !file.isFile()) {
-    throw std::runtime_error(arguments.output + ": is no file; leave --resume out");
-  }
-  if (arguments.resume) {
-    readLines(arguments.output, lines);
-    file.cutAt(lines.whole);
-  } else if (!file.empty()) {
-    throw std::runtime_error(arguments.output +
-                             ": is there already; add --resume to go on, or name another file");
-  }
-  std::vector<std::uint64_t> left;
-  for (const std::uint64_t index : arguments.range.indices()) {
-    if (lines.by_index.count(index) == 0) left.push_back(index);
-  }
+  LineBatch file("monte_carlo", arguments.output, arguments.resume, checkOf(name));
+  const std::vector<std::uint64_t> left = file.left(arguments.range);
   const std::size_t threads = arguments.threads != 0 ? arguments.threads : cvg::coreCount();
   ProgressBar progress(static_cast<double>(left.size()), "items");
   double done = 0.0;
   cvg::runMonteCarlo(batch, left, threads, [&](const cvg::MonteCarloItem& item) {
-    const std::string line = lineOf(item, name);
-    file.add(line);
-    lines.by_index.emplace(item.index, line);
+    file.add(item.index, lineOf(item, name));
     progress.showNow(done += 1.0);
   });
   file.finish();
-  printStatistics(lines);
+  printStatistics(file.lines());
 }
 
 }  // namespace
@@ -331,7 +244,7 @@ int main(int argc, char** argv) {
     if (arguments->merge.empty()) {
       runBatch(*arguments);
     } else {
-      merge(*arguments);
+      printStatistics(mergeLines("monte_carlo", arguments->merge, arguments->output, checkOf()));
     }
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -7,7 +7,6 @@ usage: baseline_test.py FOLDER_OF_PROGRAMS CONFIG_FOLDER [RESULT.xml]
 """
 
 import hashlib
-import io
 import json
 import math
 import os

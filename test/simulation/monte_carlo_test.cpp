@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "ring_gyro/common/item_range.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/simulation/random_device.h"
 
@@ -25,7 +26,7 @@ MonteCarlo batchOf(const char* duration) {
 TEST(MonteCarlo, ShardsAreDisjointAndLeaveNothingOut) {
   std::set<std::uint64_t> seen;
   for (std::uint64_t shard = 0; shard < 3; ++shard) {
-    for (const std::uint64_t index : MonteCarloRange{5, 20, shard, 3}.indices()) {
+    for (const std::uint64_t index : ItemRange{5, 20, shard, 3}.indices()) {
       EXPECT_EQ(index % 3, shard);
       EXPECT_TRUE(seen.insert(index).second);
     }
@@ -33,7 +34,7 @@ TEST(MonteCarlo, ShardsAreDisjointAndLeaveNothingOut) {
   EXPECT_EQ(seen.size(), 20u);
   EXPECT_EQ(*seen.begin(), 5u);
   EXPECT_EQ(*seen.rbegin(), 24u);
-  EXPECT_THROW((MonteCarloRange{0, 1, 3, 3}.indices()), std::invalid_argument);
+  EXPECT_THROW((ItemRange{0, 1, 3, 3}.indices()), std::invalid_argument);
 }
 
 TEST(MonteCarlo, ItemsDependOnNothingButTheirIndex) {

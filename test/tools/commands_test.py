@@ -52,7 +52,7 @@ class Report(unittest.TestCase):
         text = page.read_text()
         self.assertIn("class=doubt", text)
         self.assertNotIn("converged from", text)
-        names = {"parameters", "innovations", "rate", "harmonics", "gains", "loops", "ring_up",
+        names = {"parameters", "innovations", "rate_against_angle", "harmonics", "gains", "loops", "ring_up",
                  "allan"}
         self.assertEqual(set(re.findall(r"<h2 id=(\w+)>", text)), names)
         self.assertEqual(len(re.findall(r'src="data:image/png;base64,iVBOR', text)), len(names))
@@ -185,6 +185,17 @@ class Paper(unittest.TestCase):
             done = run("reproduce_paper", "--output", Path(file.name) / "inside", "--quick")
         self.assertEqual(done.returncode, 1)
         self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+
+
+class Package(unittest.TestCase):
+    """What others import."""
+
+    def test_messages_and_helpers_are_one_package(self):
+        code = ("import ring_gyro.msg, ring_gyro.tools, ring_gyro.style, ring_gyro.output\n"
+                "print(ring_gyro.msg.OrbitalElements().status.amplitude_locked)")
+        done = subprocess.run([sys.executable, "-c", code], check=False, text=True, cwd="/",
+                              capture_output=True)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "False\n", ""))
 
 
 if __name__ == "__main__":

@@ -57,6 +57,10 @@ struct IdentificationResult {
   std::vector<std::string> damage;  ///< of the bags, a line each
 };
 
+/// What identification came to, as the exit statuses of the tools have it.
+enum class Verdict { kIdentified = 0, kFailed = 1, kIdentifiedWithFaults = 2 };
+Verdict verdictOf(const IdentificationResult& result, const cvg::LoopConfiguration& configuration);
+
 /// Why there is nothing to rely on, one line with the mend; empty: identified.
 std::string failureOf(const IdentificationReport& report,
                       const cvg::LoopConfiguration& configuration);

@@ -17,16 +17,6 @@ struct MonteCarlo {
   bool random_devices = false;
 };
 
-/// Indices first to first + count - 1, of which shard k of n takes those with index % n == k.
-struct MonteCarloRange {
-  std::uint64_t first = 0;
-  std::uint64_t count = 0;
-  std::uint64_t shard = 0;
-  std::uint64_t shards = 1;
-
-  std::vector<std::uint64_t> indices() const;
-};
-
 /// The identified parameters in the order of (29), gamma1, gamma2, mu1, mu2, ks.
 constexpr std::array<const char*, 5> kMonteCarloParameters = {"gamma1", "gamma2", "mu1", "mu2",
                                                               "drive_gain"};

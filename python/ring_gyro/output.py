@@ -243,39 +243,3 @@ def write_whole(path, data) -> None:
     """Text or bytes, all at once."""
     with OutputFile(path) as file:
         file.finish(data)
-
-
-class LineFile:
-    """A file that grows by whole lines while its one writer works; made when it is missing."""
-
-    def __init__(self, path):
-        self.path = os.fspath(path)
-        at, descriptor, self.is_file = target_of(self.path)
-        flags = os.O_WRONLY | os.O_APPEND | os.O_NOCTTY | (os.O_CREAT if self.is_file else 0)
-        try:
-            self._file = os.dup(descriptor) if descriptor is not None else \
-                os.open(at, flags, PLAIN_MODE)
-        except OSError as error:
-            raise write_fault(self.path, error.errno) from None
-        if self.is_file:
-            lock(self._file, self.path)
-
-    def size(self) -> int:
-        return os.fstat(self._file).st_size if self.is_file else 0
-
-    def cut_at(self, length: int) -> None:
-        os.ftruncate(self._file, length)
-
-    def add(self, line: str) -> None:
-        try:
-            write_all(self._file, line.encode())
-        except OSError as error:
-            raise write_fault(self.path, error.errno) from None
-
-    def finish(self) -> None:
-        """All lines are on the disk."""
-        try:
-            sync(self._file)
-            os.close(self._file)
-        except OSError as error:
-            raise write_fault(self.path, error.errno) from None

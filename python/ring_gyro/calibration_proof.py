@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 from .style import BLUE, GREY, VERMILION, WIDTH, angle_axis, plt
 from .tools import run_jobs, run_tool
@@ -174,3 +175,13 @@ def figure(proof: Proof):
     if len(proof.quiet) > 1:
         axes[0][1].legend(loc="upper right")
     return drawn
+
+
+def truth_of(config: Path) -> dict:
+    """What the configuration says of the ring; gamma and the axes are those of the ring itself."""
+    ring = {key: float(value) for key, value in
+            yaml.safe_load(config.read_text())["resonator"].items()}
+    names = ("gamma1", "gamma2", "mu1", "mu2", "drive_gain", "natural_frequency")
+    truth = {name: ring[name] for name in names if name in ring}
+    truth["decay_rate"] = math.pi * ring["natural_frequency"] / ring["quality_factor"]
+    return truth

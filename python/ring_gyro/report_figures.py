@@ -305,7 +305,7 @@ def draw(run: Run) -> tuple:
                        "ParameterEstimate that was updated; record the identifier's topic or run "
                        "identify on the bag.")
     if stretches(run):
-        figures.append(("rate", "Rate against angle",
+        figures.append(("rate_against_angle", "Rate against angle",
                         "Sensed rate, minus the rate of the pattern, over the pattern angle.",
                         rate))
         figures.append(("harmonics", "Harmonics of the rate", "Amplitudes of harmonics 1 to 8 of "
