@@ -9,7 +9,8 @@ namespace cvg {
 std::int64_t ConverterParameters::blockDurationNanoseconds() const {
   const double exact = 1e9 * blockDuration();
   const double rounded = std::round(exact);
-  if (std::abs(exact - rounded) > 1e-6) {
+  // NaN and infinity, of an empty block or none, are no number of nanoseconds.
+  if (!(std::abs(exact - rounded) <= 1e-6) || !(rounded >= 1.0)) {
     throw std::invalid_argument(
         "converter: block_samples / sample_rate = " + std::to_string(exact) +
         " ns must be a whole number of nanoseconds; change block_samples or sample_rate");
@@ -20,7 +21,7 @@ std::int64_t ConverterParameters::blockDurationNanoseconds() const {
 std::int64_t ConverterParameters::wholeBlocks(double period, const std::string& name) const {
   const double blocks = period / blockDuration();
   const double whole = std::round(blocks);
-  if (!(whole >= 1.0) || std::abs(blocks - whole) > 1e-6) {
+  if (!(whole >= 1.0) || !(std::abs(blocks - whole) <= 1e-6)) {
     std::ostringstream fault;
     fault << name << " = " << period << " s must be a whole number of blocks of " << blockDuration()
           << " s";

@@ -48,20 +48,6 @@ Eigen::Vector2cd envelopeFromOrbit(const Orbit& orbit) {
   return {turn * (c * major - s * minor), turn * (s * major + c * minor)};
 }
 
-OrbitInvariants invariantsFromEnvelope(const Eigen::Vector2cd& envelope) {
-  const double cx = envelope[0].real();
-  const double sx = -envelope[0].imag();
-  const double cy = envelope[1].real();
-  const double sy = -envelope[1].imag();
-  OrbitInvariants invariants;
-  invariants.q = 2.0 * (cx * sy - cy * sx);
-  invariants.s = 2.0 * (cx * cy + sx * sy);
-  invariants.r = cx * cx + sx * sx - cy * cy - sy * sy;
-  invariants.l_r = cx * cx - sx * sx + cy * cy - sy * sy;
-  invariants.l_i = 2.0 * (cx * sx + cy * sy);
-  return invariants;
-}
-
 double AngleUnwrapper::unwrap(double theta) {
   last_ = started_ ? last_ + wrapToPi(theta - last_) : theta;
   started_ = true;

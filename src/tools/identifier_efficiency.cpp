@@ -8,14 +8,17 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "ring_gyro/common/number_text.h"
 #include "ring_gyro/common/parallel_for.h"
 #include "ring_gyro/configuration/configuration_reader.h"
 #include "ring_gyro/control/control_loops.h"
@@ -183,8 +186,12 @@ int main(int argc, char** argv) {
   }
   try {
     const std::vector<std::string> overrides(argv + 3, argv + argc);
+    const std::optional<double> seeds = cvg::parseNumber(argv[2]);
+    if (!seeds || !(*seeds >= 1.0 && *seeds <= 1e9) || *seeds != std::floor(*seeds)) {
+      throw std::invalid_argument(std::string(argv[2]) + ": is no number of seeds; 1 to 1e9");
+    }
     ring_gyro::tools::run(cvg::readConfigurationFile(argv[1], overrides),
-                          std::strtoull(argv[2], nullptr, 10));
+                          static_cast<std::uint64_t>(*seeds));
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "identifier_efficiency: %s\n", error.what());

@@ -39,9 +39,8 @@ void printDriftRow(std::string& text, const char* name, const char* pattern,
                    const cvg::RunSummary& summary, DriftValue value) {
   text += cvg::formatted("  %-38s", name);
   for (const cvg::DriftResult* drift : {&summary.before, &summary.after}) {
-    char cell[32] = "-";
-    if (drift->harmonics) std::snprintf(cell, sizeof(cell), pattern, value(*drift));
-    text += cvg::formatted(" %13s", cell);
+    const std::string cell = drift->harmonics ? cvg::formatted(pattern, value(*drift)) : "-";
+    text += cvg::formatted(" %13s", cell.c_str());
   }
   text += "\n";
 }

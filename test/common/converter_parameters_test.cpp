@@ -32,5 +32,17 @@ TEST(ConverterParameters, NamesAPeriodThatIsNotOfWholeBlocks) {
   EXPECT_NE(faultOf(std::numeric_limits<double>::quiet_NaN()), "");
 }
 
+TEST(ConverterParameters, BlocksOfNoDurationAreNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const ConverterParameters& converter :
+       {ConverterParameters{nan, 200}, ConverterParameters{0.0, 200},
+        ConverterParameters{infinity, 200}, ConverterParameters{200e3, 0},
+        ConverterParameters{-200e3, 200}}) {
+    EXPECT_THROW(converter.blockDurationNanoseconds(), std::invalid_argument);
+    EXPECT_THROW(converter.wholeBlocks(0.1, "period"), std::invalid_argument);
+  }
+}
+
 }  // namespace
 }  // namespace cvg

@@ -56,6 +56,30 @@ TEST(Orbit, RestIsFinite) {
   EXPECT_TRUE(std::isfinite(rest.theta) && std::isfinite(rest.phi));
 }
 
+/// The five quadratic invariants, equation (26) with the sign of L_I corrected [V^2].
+struct OrbitInvariants {
+  double q = 0.0;    // 2 a b
+  double s = 0.0;    // (a^2 - b^2) sin 2 theta
+  double r = 0.0;    // (a^2 - b^2) cos 2 theta
+  double l_r = 0.0;  // (a^2 - b^2) cos 2 phi
+  double l_i = 0.0;  // -(a^2 - b^2) sin 2 phi
+};
+
+/// From the demodulated Cx, Sx, Cy, Sy (envelope = C - i S).
+OrbitInvariants invariantsFromEnvelope(const Eigen::Vector2cd& envelope) {
+  const double cx = envelope[0].real();
+  const double sx = -envelope[0].imag();
+  const double cy = envelope[1].real();
+  const double sy = -envelope[1].imag();
+  OrbitInvariants invariants;
+  invariants.q = 2.0 * (cx * sy - cy * sx);
+  invariants.s = 2.0 * (cx * cy + sx * sy);
+  invariants.r = cx * cx + sx * sx - cy * cy - sy * sy;
+  invariants.l_r = cx * cx - sx * sx + cy * cy - sy * sy;
+  invariants.l_i = 2.0 * (cx * sx + cy * sy);
+  return invariants;
+}
+
 TEST(Orbit, InvariantsHaveTheSignsOfEquation26) {
   std::mt19937 random(2);
   for (int trial = 0; trial < 1000; ++trial) {

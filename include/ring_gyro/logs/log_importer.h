@@ -52,7 +52,6 @@ class LogImporter {
   double rowPeriod() const { return clock_->period(); }  ///< [s]
   std::int64_t rowsPerBlock() const { return rows_per_block_; }
   std::int64_t blockDurationNanoseconds() const { return duration_ns_; }
-  double minimumAmplitude() const { return minimum_amplitude_; }  ///< of a usable block [V]
   double groupDelay() const;           ///< of the blocks, unless the log says it [s]
   std::string groupDelayText() const;  ///< how long, or which column says it
 
