@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "dense_filter.h"
 #include "identification/averaged_loop.h"
 #include "interleaved.h"
 #include "ring_gyro/identification/filter/interval_filter.h"
+#include "ring_gyro/identification/filter/paper_filter.h"
 
 namespace cvg {
 namespace {
@@ -91,9 +91,9 @@ void step(IntervalFilter& filter, const Record& record) {
 }
 
 template <typename Real>
-void step(DenseFilter<Real>& filter, const Record& record) {
+void step(PaperFilter<Real>& filter, const Record& record) {
   filter.predict(record.theta, record.phi, record.input, kStep);
-  filter.update(record.measured);
+  filter.correct(record.measured);
 }
 
 }  // namespace
@@ -104,7 +104,7 @@ void filterAgainstDense(benchmark::State& state) {
   std::vector<Record> records(kSteps);
   for (Record& record : records) record = source.next();
   IntervalFilter filter = makeFilter();
-  DenseFilter<double> dense(kFrequency, kQuality, noise(), startValue(), startSigma());
+  PaperFilter<double> dense({kFrequency, kQuality}, noise(), startValue(), startSigma());
   timeInTurns(
       state, threadTime, kSteps,
       [&] {
@@ -125,7 +125,7 @@ void filterAccuracy(benchmark::State& state, std::int64_t steps) {
   for (auto _ : state) {
     RecordSource source;
     IntervalFilter filter = makeFilter();
-    DenseFilter<long double> reference(kFrequency, kQuality, noise(), startValue(), startSigma());
+    PaperFilter<long double> reference({kFrequency, kQuality}, noise(), startValue(), startSigma());
     for (std::int64_t n = 0; n < steps; ++n) {
       const Record record = source.next();
       step(filter, record);

@@ -69,10 +69,10 @@ OrbitRates AveragedModel::rates(const Orbit& orbit, const DeviceParameters& devi
   const AxesRatePairs of_axes(dynamics, device);
   const TwoLanes axes = of_axes.rate(TwoLanes{a, b});
   OrbitRates rates;
-  rates.a = axes[0];
-  rates.b = axes[1];
-  rates.theta = (a * across - b * along) / difference;
-  rates.phi = (a * along - b * across) / difference;
+  rates.a = axes[0];                                    // (16)
+  rates.b = axes[1];                                    // (17)
+  rates.theta = (a * across - b * along) / difference;  // (18)
+  rates.phi = (a * along - b * across) / difference;    // (19)
   return rates;
 }
 

@@ -11,6 +11,7 @@
 
 #include "identification/averaged_loop.h"
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/identification/filter/paper_filter.h"
 
 namespace cvg {
 namespace {
@@ -72,39 +73,30 @@ StateVector startSigma() {
   return sigma;
 }
 
-/// The same estimator with nothing clever in it: all nine states (29) plus the running sums of a
-/// and b, full matrices, long double, textbook update with a full-size inverse.
-class DenseReference {
+/// The paper's filter on means: its seven states and the running sums of a and b, which are two
+/// states more; in long double.
+class MeanReference {
  public:
   using Real = long double;
   using Vector = Eigen::Matrix<Real, 9, 1>;
   using Matrix = Eigen::Matrix<Real, 9, 9>;
 
-  DenseReference(const IntervalNoise& noise, const StateVector& value, const StateVector& sigma)
-      : model_({kFrequency, kQuality}), noise_(noise) {
+  MeanReference(const IntervalNoise& noise, const StateVector& value, const StateVector& sigma)
+      : filter_({kFrequency, kQuality}, noise, value, sigma), noise_(noise) {
     value_.setZero();
-    value_.head<7>() = value.cast<Real>();
+    value_.head<7>() = filter_.value();
     covariance_.setZero();
-    covariance_.diagonal().head<7>() = sigma.cast<Real>().cwiseAbs2();
+    covariance_.topLeftCorner<7, 7>() = filter_.covariance();
   }
 
   void step(const Record& record) {
-    const DeviceParameters device{static_cast<double>(value_[2]), static_cast<double>(value_[3]),
-                                  static_cast<double>(value_[4]), static_cast<double>(value_[5]),
-                                  static_cast<double>(value_[6])};
-    const Eigen::Vector2d axes = value_.head<2>().cast<double>();
-    const AxesStep step =
-        model_.axesStep({axes[0], axes[1], record.theta, record.phi}, device, record.input, kStep);
-    // The increment is small: taken in double, the sum in long double.
-    value_.head<2>() += (step.axes - axes).cast<Real>();
+    const PaperFilter<Real>::Step f =
+        filter_.step(value_.head<7>(), record.theta, record.phi, record.input, kStep);
+    value_.head<7>() = f.after;
     Matrix transition = Matrix::Identity();
-    transition.block<2, 2>(0, 0) = step.by_axes.cast<Real>();
-    transition.block<2, 5>(0, 2) = step.by_parameters.cast<Real>();
+    transition.topLeftCorner<7, 7>() = f.jacobian;
     Matrix process = Matrix::Zero();
-    process.block<2, 2>(0, 0) =
-        Real(kStep) * (Real(noise_.angle_density / axes.squaredNorm()) *
-                           (step.rate_by_angles * step.rate_by_angles.transpose()).cast<Real>() +
-                       Real(noise_.axes_density) * Eigen::Matrix<Real, 2, 2>::Identity());
+    process.topLeftCorner<7, 7>() = f.noise;
     covariance_ = (transition * covariance_ * transition.transpose() + process).eval();
 
     Matrix add = Matrix::Identity();
@@ -142,7 +134,7 @@ class DenseReference {
   Eigen::Matrix<Real, 7, 7> covariance() const { return covariance_.topLeftCorner<7, 7>(); }
 
  private:
-  AveragedModel model_;
+  PaperFilter<Real> filter_;
   IntervalNoise noise_;
   Vector value_;
   Matrix covariance_;
@@ -185,7 +177,7 @@ struct WorstErrors {
   double sigma = 0.0;
   double normalised_innovation_squared = 0.0;
 
-  void add(const IntervalFilter& filter, const DenseReference& reference, double nis) {
+  void add(const IntervalFilter& filter, const MeanReference& reference, double nis) {
     const StateMatrix covariance = filter.covariance();
     for (int k = 0; k < 7; ++k) {
       const double true_sigma = std::sqrt(static_cast<double>(reference.covariance()(k, k)));
@@ -208,7 +200,7 @@ TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
       const IntervalNoise noise = noiseOf(5e-6, 2e-6);
       IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noise);
       filter.initialise(startValue(), startSigma(), kNoWalk);
-      DenseReference reference(noise, startValue(), startSigma());
+      MeanReference reference(noise, startValue(), startSigma());
       WorstErrors worst;
       for (std::size_t n = 0; n < records.size(); ++n) {
         reference.step(records[n]);
@@ -240,7 +232,7 @@ TEST(IntervalFilter, TakesSeveralStepsInOneGo) {
   StateVector value;
   value << 1.0, 0.0, 0.0201, 0.0301, -30.01e-6, -40.01e-6, 1.1e5;
   filter.initialise(value, sigma, kNoWalk);
-  DenseReference reference(noise, value, sigma);
+  MeanReference reference(noise, value, sigma);
   WorstErrors worst;
   for (std::size_t n = 0; n < records.size(); n += 100) {
     for (std::size_t k = 0; k < 100; k += kLanes) {
