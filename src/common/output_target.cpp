@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
+#include <charconv>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
@@ -66,11 +66,10 @@ OutputTarget outputTarget(const std::string& path) {
     target.name = at.filename().string();
     struct stat status = {};
     if (holdsOwnDescriptors(target.folder)) {
-      char* end = nullptr;
-      const long number = std::strtol(target.name.c_str(), &end, 10);
-      if (target.name.empty() || *end != '\0') fail(path, ENOENT);
+      const char* const end = target.name.data() + target.name.size();
+      const auto [stop, error] = std::from_chars(target.name.data(), end, target.descriptor);
+      if (error != std::errc() || stop != end || target.descriptor < 0) fail(path, ENOENT);
       target.kind = OutputTarget::Kind::kDescriptor;
-      target.descriptor = static_cast<int>(number);
       return target;
     }
     if (::stat(at.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {

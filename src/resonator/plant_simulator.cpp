@@ -27,7 +27,6 @@ PlantParameters checkedAndTuned(PlantParameters parameters) {
   checked(parameters.resonator, "resonator");
   checked(parameters.sense, "sense");
   checked(parameters.drive, "drive");
-  checked(parameters.rotation, "rotation");
   const double bias = parameters.resonator.bias_voltage;
   if (bias > 0.0 && parameters.drive.bias_voltage > 0.0 && bias != parameters.drive.bias_voltage) {
     throw std::invalid_argument(

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/common/number_text.h"
 
 namespace cvg {
 
@@ -22,7 +24,8 @@ void RotationParameters::declare(ParameterTable& table) {
       .text("file", file, "two columns: time [s], rate [rad/s]; straight lines between rows");
 }
 
-RotationProfile::RotationProfile(const RotationParameters& parameters) : parameters_(parameters) {
+RotationProfile::RotationProfile(const RotationParameters& parameters)
+    : parameters_(checked(parameters, "rotation")) {
   if (parameters_.profile != RotationShape::kFile) return;
   std::ifstream in(parameters_.file);
   if (!in) {
@@ -33,14 +36,14 @@ RotationProfile::RotationProfile(const RotationParameters& parameters) : paramet
   for (int number = 1; std::getline(in, line); ++number) {
     std::replace(line.begin(), line.end(), ',', ' ');
     std::istringstream columns(line);
-    std::string first;
-    if (!(columns >> first) || first.front() == '#') continue;
-    double time = 0.0;
-    double rate = 0.0;
-    std::istringstream values(line);
-    std::string rest;
-    if (!(values >> time >> rate) || (values >> rest) || !std::isfinite(time) ||
-        !std::isfinite(rate) || (!times_.empty() && time <= times_.back())) {
+    std::vector<std::string> cells;
+    for (std::string cell; columns >> cell;) cells.push_back(cell);
+    if (cells.empty() || cells.front().front() == '#') continue;
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const double time = cells.size() == 2 ? parseNumber(cells[0]).value_or(nan) : nan;
+    const double rate = cells.size() == 2 ? parseNumber(cells[1]).value_or(nan) : nan;
+    if (!std::isfinite(time) || !std::isfinite(rate) ||
+        (!times_.empty() && time <= times_.back())) {
       throw std::invalid_argument("rotation: " + parameters_.file + ":" + std::to_string(number) +
                                   ": '" + line + "' is not a growing time [s] and a rate [rad/s]");
     }

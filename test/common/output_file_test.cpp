@@ -158,6 +158,10 @@ TEST_F(OutputFileTest, WritesIntoADescriptorOfItsOwn) {
   close(descriptor);
   EXPECT_EQ(contents(at("log")), "before text text text text");
   EXPECT_NE(faultOf([&] { writeWholeFile("/dev/fd/" + number, "x"); }), "");
+  // Beyond what a descriptor can be: not another one.
+  for (const char* none : {"4294967297", "18446744073709551617", "-1", "1x", " 1"}) {
+    EXPECT_NE(faultOf([&] { writeWholeFile(std::string("/dev/fd/") + none, "x"); }), "") << none;
+  }
 }
 
 TEST_F(OutputFileTest, RefusesASecondWriterUntilTheFirstHasEnded) {
