@@ -60,8 +60,7 @@ set +u
 set -u
 
 # A master of its own, on a free port of the loopback interface.
-port=$(python3 -c 'import socket
-s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
+port=$("$root/scripts/free_ports.py")
 export ROS_HOSTNAME=localhost ROS_MASTER_URI=http://localhost:$port ROS_LOG_DIR=$output/log
 log=$output/roslaunch.log
 launch_pid=''

@@ -164,8 +164,7 @@ if check build_sanitized build_sanitized; then
   check run_sanitized run_sanitized || true
   counted 'with sanitizers' "$results"/sanitized_*.xml
 fi
-installed_port=$(/usr/bin/python3 -c 'import socket
-s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
+installed_port=$("$root/scripts/free_ports.py")
 if check install install_release; then
   check installed_simulate installed_simulate || true
   check installed_migration installed_migration || true

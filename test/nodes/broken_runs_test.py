@@ -7,7 +7,6 @@ import re
 import resource
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -19,6 +18,10 @@ import rospkg
 import rostest
 
 PACKAGE = Path(rospkg.RosPack().get_path("ring_gyro"))
+sys.path.insert(0, str(PACKAGE / "scripts"))
+from free_ports import free_ports  # noqa: E402
+
+PORTS = free_ports()
 CONFIG = PACKAGE / "config" / "paper_simulation.yaml"
 
 
@@ -37,9 +40,7 @@ class Launch:
     """A launch with a master of its own, ended on leaving the block."""
 
     def __init__(self, folder: Path, name: str, **arguments):
-        with socket.socket() as listener:
-            listener.bind(("localhost", 0))
-            port = listener.getsockname()[1]
+        port = next(PORTS)
         self.log = tempfile.TemporaryFile("w+")
         self.environment = dict(os.environ, ROS_MASTER_URI=f"http://localhost:{port}",
                                 ROS_HOSTNAME="localhost")

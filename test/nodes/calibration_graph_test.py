@@ -6,7 +6,6 @@ import io
 import json
 import os
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -19,15 +18,13 @@ import rostest
 import yaml
 
 PACKAGE = Path(rospkg.RosPack().get_path("ring_gyro"))
+sys.path.insert(0, str(PACKAGE / "scripts"))
+from free_ports import free_ports  # noqa: E402
+
+PORTS = free_ports()
 CONFIG = PACKAGE / "test" / "short_calibration.yaml"
 PERIOD = 100  # blocks
 TABLE_RATE = 5.0  # in that file [rad/s]
-
-
-def free_port() -> int:
-    with socket.socket() as listener:
-        listener.bind(("localhost", 0))
-        return listener.getsockname()[1]
 
 
 def executable(name: str) -> str:
@@ -47,7 +44,7 @@ def run(tool: str, *options, status: int = 0) -> str:
 
 def launch(name: str, **arguments) -> str:
     """What the launch says; it must end by itself."""
-    port = free_port()
+    port = next(PORTS)
     texts = [f"{key}:={value}" for key, value in arguments.items()]
     process = subprocess.Popen(
         ["roslaunch", "-p", str(port), "ring_gyro", name] + texts, text=True,

@@ -7,7 +7,6 @@ import json
 import os
 import pickle
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -21,6 +20,10 @@ import rostest
 from ring_gyro.msg import ParameterEstimate
 
 PACKAGE = Path(rospkg.RosPack().get_path("ring_gyro"))
+sys.path.insert(0, str(PACKAGE / "scripts"))
+from free_ports import free_ports  # noqa: E402
+
+PORTS = free_ports()
 CONFIG = PACKAGE / "config" / "paper_simulation.yaml"
 COLLECTOR = """
 import pickle, sys, rospy
@@ -36,12 +39,6 @@ subscriber.unregister()
 with open(path, "wb") as file:
     pickle.dump(messages, file)
 """
-
-
-def free_port() -> int:
-    with socket.socket() as listener:
-        listener.bind(("localhost", 0))
-        return listener.getsockname()[1]
 
 
 def environment(port: int) -> dict:
@@ -106,7 +103,7 @@ class SameBits(unittest.TestCase):
         return self.start(["roslaunch", "-p", port, "ring_gyro", name] + texts, port)
 
     def record(self, bag: Path, **arguments) -> None:
-        port = free_port()
+        port = next(PORTS)
         self.assertEqual(self.launch(port, "simulation.launch", config=CONFIG, record=bag,
                                      **arguments).wait(240), 0)
         self.assertTrue(bag.exists())
@@ -121,7 +118,7 @@ class SameBits(unittest.TestCase):
 
     def replay(self, bag: Path, count: int, **arguments) -> tuple:
         """All estimates that the node published, as bytes, and its JSON."""
-        port = free_port()
+        port = next(PORTS)
         out, report = self.folder / "collected", self.folder / "replayed.json"
         for path in (out, report):
             if path.exists():
@@ -187,7 +184,7 @@ class SameBits(unittest.TestCase):
         self.assertEqual(part_report, replayed_report)
 
         # A player that holds back one message only loses most; the node says how many.
-        port = free_port()
+        port = next(PORTS)
         lossy = self.folder / "lossy.json"
         self.assertEqual(self.launch(port, "identification.launch", bag=bag, config=CONFIG,
                                      json=lossy, rate=0, queue=1).wait(120), 0)
@@ -222,7 +219,7 @@ class SameBits(unittest.TestCase):
 
     def test_identifier_restarted_in_the_middle(self):
         bag = self.folder / "restarted.bag"
-        port = free_port()
+        port = next(PORTS)
         # The run goes on until both identifiers have been seen, on a machine of any speed.
         launched = self.launch(port, "simulation.launch", config=CONFIG, record=bag, duration=0)
         self.wait_for_estimate(port, after=1000)

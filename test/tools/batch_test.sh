@@ -84,8 +84,7 @@ if [ -z "$sshd" ]; then
 fi
 ssh-keygen -q -t ed25519 -N '' -f host_key
 ssh-keygen -q -t ed25519 -N '' -f user_key
-port=$(/usr/bin/python3 -c 'import socket
-s = socket.socket(); s.bind(("localhost", 0)); print(s.getsockname()[1])')
+port=$("$source/scripts/free_ports.py")
 cat >sshd_config <<END
 Port $port
 ListenAddress 127.0.0.1
