@@ -343,8 +343,7 @@ void CalibrationProcedure::finishIdentification() {
       DrivePath::of(residual.matrix() * corrections_.driveCorrection().inverse());
   corrections_.pickoff_cubic += value("pickoff_cubic");
   const double told = device_.decayRate() / device_.drive_gain;
-  const double found =
-      kPi * result_.natural_frequency / result_.quality_factor / result_.drive_gain;
+  const double found = result_.device().decayRate() / result_.drive_gain;
   corrections_.gamma1 = value("gamma1") * found / told;
   corrections_.gamma2 = value("gamma2") * found / told;
   identifier_.reset();
@@ -449,8 +448,7 @@ void CalibrationProcedure::finishThreshold() {
 Corrections CalibrationProcedure::correctionsForDevice() const {
   Corrections corrections = corrections_;
   const double told = device_.decayRate() / device_.drive_gain;
-  const double found =
-      kPi * result_.natural_frequency / result_.quality_factor / result_.drive_gain;
+  const double found = result_.device().decayRate() / result_.drive_gain;
   corrections.gamma1 *= told / found;
   corrections.gamma2 *= told / found;
   corrections.drift = scaled(corrections.drift, result_.drive_gain / device_.drive_gain);

@@ -49,11 +49,9 @@ std::string configurationYaml(const Section& section, const std::vector<std::str
   return yaml;
 }
 
-std::string calibrationYaml(const CalibrationResult& result, DeviceKnowledge device) {
-  device.natural_frequency = result.natural_frequency;
-  device.quality_factor = result.quality_factor;
-  device.drive_gain = result.drive_gain;
-  if (result.angle_map_measured) device.angular_gain = result.angular_gain;
+std::string calibrationYaml(const CalibrationResult& result, const DeviceKnowledge& told) {
+  DeviceKnowledge device = result.device();
+  if (!result.angle_map_measured) device.angular_gain = told.angular_gain;
   Corrections corrections = result.corrections;
   Sections sections = {{"device", {}}, {"calibration", {}}};
   device.declare(sections[0].table);

@@ -35,8 +35,7 @@ double turnTime(const LoopConfiguration& configuration, double rate) {
 Run turn(const LoopConfiguration& configuration, double time,
          const std::function<void(double)>& progress) {
   ClosedLoop loop(configuration);
-  const double decay =
-      kPi * configuration.device.natural_frequency / configuration.device.quality_factor;
+  const double decay = configuration.device.decayRate();
   const double settling = std::max(10.0, 10.0 / decay);
   double settled = 0.0;
   Run run;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ring_gyro/common/angle_harmonics.h"
+#include "ring_gyro/common/device_knowledge.h"
 #include "ring_gyro/signals/corrections.h"
 
 namespace cvg {
@@ -50,7 +51,7 @@ struct ThresholdTest {
 
 /// Everything that a calibration run found.
 struct CalibrationResult {
-  Corrections corrections;         ///< with the gains of `device`
+  Corrections corrections;         ///< with the gains of device()
   double natural_frequency = 0.0;  ///< identified [Hz]
   double quality_factor = 0.0;     ///< identified
   double drive_gain = 0.0;         ///< identified ks [1/s^2]
@@ -64,6 +65,11 @@ struct CalibrationResult {
   std::optional<ThresholdTest> threshold;
   double duration = 0.0;             ///< of the run [s]
   std::vector<std::string> missing;  ///< stages that are still to come; empty: it is complete
+
+  /// The device as it was found.
+  DeviceKnowledge device() const {
+    return {natural_frequency, quality_factor, drive_gain, angular_gain};
+  }
 };
 
 }  // namespace cvg

@@ -17,8 +17,8 @@ std::string configurationYaml(const Sections& sections);
 std::string configurationYaml(const Section& section, const std::vector<std::string>& keys);
 
 /// The file that a calibration run leaves: sections `device` and `calibration`, to be read after
-/// the configuration of the run. `device`: as that configuration told the loops. The file of a
-/// result that is not complete says what is missing. Throws as configurationYaml.
-std::string calibrationYaml(const CalibrationResult& result, DeviceKnowledge device);
+/// the configuration of the run. `told`: the device as that configuration told the loops. The file
+/// of a result that is not complete says what is missing. Throws as configurationYaml.
+std::string calibrationYaml(const CalibrationResult& result, const DeviceKnowledge& told);
 
 }  // namespace cvg
