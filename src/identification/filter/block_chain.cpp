@@ -4,31 +4,28 @@
 #include <cmath>
 #include <complex>
 
-#include "ring_gyro/common/pairs.h"
+#include "ring_gyro/common/small_algebra.h"
 #include "ring_gyro/common/vector_dispatch.h"
 #include "ring_gyro/identification/model/averaged_model.h"
 
 namespace cvg {
+
 BlockChain::BlockChain(std::int64_t block_duration_ns)
     : block_duration_ns_(block_duration_ns),
-      block_duration_(1e-9 * static_cast<double>(block_duration_ns)) {
-  // Lanes behind the last block are worked on too: nothing there may be divided by zero.
-  for (auto& kind : memory_) kind.fill(1.0);
-}
+      block_duration_(1e-9 * static_cast<double>(block_duration_ns)) {}
 
 BlockUse BlockChain::admit(const OrbitalElements& elements, const ControlGains& gains,
                            double rotation_rate) {
   const BlockStamp& stamp = elements.stamp;
   const Orbit& orbit = elements.orbit;
-  const Eigen::Vector2cd total = gains.drive.total();
-  const TwoLanes x = {total.x().real(), total.x().imag()};
-  const TwoLanes y = {total.y().real(), total.y().imag()};
-  const TwoLanes magnitudes =
-      (magnitude(TwoLanes{orbit.a, orbit.b}) + magnitude(TwoLanes{orbit.theta, orbit.phi})) +
-      (magnitude(x) + magnitude(y)) +
-      (magnitude(TwoLanes{gains.reference_frequency, gains.reference_phase}) +
-       magnitude(TwoLanes{gains.compensation.gain1, gains.compensation.gain2})) +
-      magnitude(TwoLanes{elements.group_delay, rotation_rate});
+  const Envelope drive = gains.drive.total();
+  const Vector2 magnitudes =
+      (magnitude(Vector2{orbit.a, orbit.b}) + magnitude(Vector2{orbit.theta, orbit.phi})) +
+      (magnitude(Vector2{drive.x().real(), drive.x().imag()}) +
+       magnitude(Vector2{drive.y().real(), drive.y().imag()})) +
+      (magnitude(Vector2{gains.reference_frequency, gains.reference_phase}) +
+       magnitude(Vector2{gains.compensation.gain1, gains.compensation.gain2})) +
+      magnitude(Vector2{elements.group_delay, rotation_rate});
   const bool usable =
       gains.stamp.session == stamp.session && gains.stamp.sequence == stamp.sequence &&
       stamp.end_ns > 0 && stamp.duration_ns == block_duration_ns_ && elements.status.usable() &&
@@ -48,21 +45,8 @@ BlockUse BlockChain::admit(const OrbitalElements& elements, const ControlGains& 
       return elements.group_delay < 0.0 ? BlockUse::kImpossible : BlockUse::kGroupDelay;
     }
   }
-  const std::size_t at = stamp.sequence % kMemory;
-  memory_[kMajor][at] = orbit.a;
-  memory_[kMinor][at] = orbit.b;
-  memory_[kTheta][at] = orbit.theta;
-  memory_[kPhi][at] = orbit.phi;
-  memory_[kXReal][at] = x[0];
-  memory_[kXImaginary][at] = x[1];
-  memory_[kYReal][at] = y[0];
-  memory_[kYImaginary][at] = y[1];
-  memory_[kPhase][at] = gains.reference_phase;
-  memory_[kFrequency][at] = gains.reference_frequency;
-  memory_[kRotation][at] = rotation_rate;
-  if (at < kLanes) {
-    for (auto& kind : memory_) kind[at + kMemory] = kind[at];
-  }
+  blocks_[stamp.sequence % kMemory] = {orbit, drive, gains.reference_phase,
+                                       gains.reference_frequency, rotation_rate};
   last_stamp_ = stamp;
   ++usable_run_;
   return usable_run_ >= filter_memory_ ? BlockUse::kUsable : BlockUse::kAfterBreak;
@@ -70,7 +54,7 @@ BlockUse BlockChain::admit(const OrbitalElements& elements, const ControlGains& 
 
 bool BlockChain::setDelay(double group_delay, double duration) {
   const double blocks = group_delay / duration;
-  if (!(blocks >= 0.0) || blocks + 1.0 > static_cast<double>(kReach)) return false;
+  if (!(blocks >= 0.0) || blocks > static_cast<double>(kLongestDelay)) return false;
   // A delay of whole blocks up to rounding has no rest.
   const double whole = std::floor(blocks + 1e-9);
   group_delay_ = group_delay;
@@ -81,27 +65,14 @@ bool BlockChain::setDelay(double group_delay, double duration) {
   return true;
 }
 
-BlockChain::Block BlockChain::block(std::uint64_t sequence) const {
-  const auto number = [&](Kind kind) { return memory_[kind][sequence % kMemory]; };
-  Block block;
-  block.orbit = {number(kMajor), number(kMinor), number(kTheta), number(kPhi)};
-  block.drive << std::complex<double>(number(kXReal), number(kXImaginary)),
-      std::complex<double>(number(kYReal), number(kYImaginary));
-  block.reference_phase = number(kPhase);
-  block.reference_frequency = number(kFrequency);
-  block.rotation_rate = number(kRotation);
-  return block;
-}
-
-std::array<ChainSegment, 2> BlockChain::segments(std::uint64_t sequence) const {
-  const double before = block(sequence - 1).orbit.theta;
-  const double change = block(sequence).orbit.theta - before;
-  const Block first = block(sequence - 1 - whole_delay_);
-  const Block then = block(sequence - whole_delay_);
+std::array<ChainSegment, 2> BlockChain::segments() const {
+  const double before = back(1).orbit.theta;
+  const double change = back(0).orbit.theta - before;
+  const Block& first = back(whole_delay_ + 1);
+  const Block& then = back(whole_delay_);
   const double rest = rest_of_delay_ * block_duration_;
   const double remaining = block_duration_ - rest;
-  const auto segment = [&](double duration, double middle, const Eigen::Vector2cd& drive,
-                           const Block& of) {
+  const auto segment = [&](double duration, double middle, const Envelope& drive, const Block& of) {
     return ChainSegment{
         duration,
         middle,
@@ -114,79 +85,52 @@ std::array<ChainSegment, 2> BlockChain::segments(std::uint64_t sequence) const {
                   then)};
 }
 
-/// Both moments lie the rest of the delay before the end of a block; drive and frequency change in
-/// between. One step takes both drives to second order: their means are those that a response which
-/// decays meets at the end of the step, for which what is late counts more, and a change of drive
-/// late in the step meets a pattern that has turned on.
-template <typename Real>
-inline void BlockChain::stepTo(std::uint64_t sequence, double decay_rate,
-                               AveragedStep<Real>& step) const {
-  Real theta, phi, theta_change, phi_change;
-  fetch(kTheta, sequence - 1, theta);
-  fetch(kPhi, sequence - 1, phi);
-  fetch(kTheta, sequence, theta_change);
-  fetch(kPhi, sequence, phi_change);
-  theta_change -= theta;
-  phi_change -= phi;
-  const std::uint64_t acted_then = sequence - whole_delay_;
-  Real first_frequency, then_frequency, phase;
-  fetch(kFrequency, acted_then - 1, first_frequency);
-  fetch(kFrequency, acted_then, then_frequency);
-  fetch(kPhase, acted_then, phase);
+// Both moments lie the rest of the delay before the end of a block; drive and frequency change in
+// between, from those of the block `first` to those of `then`. One step takes both to second order
+// (docs/filter.md, section 6, whose letters these are): d T is the decay over a block, sigma the
+// share of `first`.
+RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN AveragedStep<double> BlockChain::step(
+    double decay_rate) const {
+  const Block& before = back(1);
+  const Block& now = back(0);
+  const Block& first = back(whole_delay_ + 1);
+  const Block& then = back(whole_delay_);
+  const double d_t = decay_rate * block_duration_;
+  const double sigma = rest_of_delay_;
+  // Means of time and of a unit step of the drive, weighted by e^{-d T (1 - s)}: what comes late in
+  // the step has decayed less at its end.
+  const double middle = 0.5 + d_t / 12.0;
+  const double moment = 0.5 * sigma * (1.0 - sigma);
+  const double first_share = sigma - moment * d_t;
+  const double then_share = 1.0 - first_share;
 
-  const double decay = decay_rate * block_duration_;
-  const double middle = 0.5 + decay / 12.0;  // of the weights e^(-decay (1 - s)), 0 <= s <= 1
-  const double share = rest_of_delay_;
-  const double moment = 0.5 * share * (1.0 - share);  // of a unit step about the middle
-  const double first = share - moment * decay;
-  const double then = 1.0 - first;
+  const double theta_change = now.orbit.theta - before.orbit.theta;
+  const double phi_change = now.orbit.phi - before.orbit.phi;
+  const double w = first_share * first.reference_frequency + then_share * then.reference_frequency;
+  AveragedStep<double> step;
+  step.theta = before.orbit.theta + middle * theta_change;
+  step.phi = before.orbit.phi + middle * phi_change;
+  step.pattern_rate = theta_change / block_duration_;
+  step.reference_frequency = w;
 
-  step.theta = theta + middle * theta_change;
-  step.phi = phi + middle * phi_change;
-  step.pattern_rate = theta_change * (1.0 / block_duration_);
-  step.reference_frequency = first * first_frequency + then * then_frequency;
-  step.image_angle = -2.0 * phase;
-  const Real then_inverse = 1.0 / then_frequency;
-  const Real spread = (0.5 / block_duration_) * then_inverse;
   // A drive acts in proportion to 1 / w, and less by a sinc where the pattern turns away under it.
-  const Real scale = (1.0 - theta_change * theta_change * (1.0 / 24.0)) * step.reference_frequency;
-  const Real first_scale = first * scale / first_frequency;
-  const Real then_scale = then * scale * then_inverse;
-  const auto mean = [&](Kind kind, Real& drive, Real& change) {
-    Real before;
-    fetch(kind, acted_then - 1, before);
-    fetch(kind, acted_then, change);
-    drive = first_scale * before + then_scale * change;
-    change -= before;
-  };
-  Real xr, xi, yr, yi;
-  mean(kXReal, step.x_real, xr);
-  mean(kXImaginary, step.x_imaginary, xi);
-  mean(kYReal, step.y_real, yr);
-  mean(kYImaginary, step.y_imaginary, yi);
-  // Turning the pattern turns Fx into Fy and Fy into -Fx; turning phi multiplies both by -i.
-  const Real theta_late = moment * theta_change;
-  const Real phi_late = moment * phi_change;
-  step.x_real += theta_late * yr + phi_late * xi;
-  step.x_imaginary += theta_late * yi - phi_late * xr;
-  step.y_real += phi_late * yi - theta_late * xr;
-  step.y_imaginary -= theta_late * xi + phi_late * yr;
-  step.x_step_real = spread * xr;
-  step.x_step_imaginary = spread * xi;
-  step.y_step_real = spread * yr;
-  step.y_step_imaginary = spread * yi;
-}
+  const double sinc = 1.0 - theta_change * theta_change / 24.0;
+  const double first_weight = first_share * sinc * w / first.reference_frequency;
+  const double then_weight = then_share * sinc * w / then.reference_frequency;
+  const Phasor<double> x_change = phasor(then.drive.x() - first.drive.x());
+  const Phasor<double> y_change = phasor(then.drive.y() - first.drive.y());
+  step.x = first_weight * phasor(first.drive.x()) + then_weight * phasor(then.drive.x());
+  step.y = first_weight * phasor(first.drive.y()) + then_weight * phasor(then.drive.y());
+  // A change late in the step meets a pattern that has turned on. Turning the pattern turns Fx into
+  // Fy and Fy into -Fx; turning phi multiplies both by -i.
+  step.x = step.x + moment * (theta_change * y_change - phi_change * timesI(x_change));
+  step.y = step.y - moment * (theta_change * x_change + phi_change * timesI(y_change));
 
-RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN void BlockChain::step(std::uint64_t sequence,
-                                                               double decay_rate,
-                                                               AveragedStep<double>& step) const {
-  stepTo(sequence, decay_rate, step);
-}
-
-RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void BlockChain::steps(std::uint64_t sequence,
-                                                                 double decay_rate,
-                                                                 AveragedStep<Lanes>& steps) const {
-  stepTo(sequence, decay_rate, steps);
+  const double spread = 0.5 / (then.reference_frequency * block_duration_);
+  step.x_change = spread * x_change;
+  step.y_change = spread * y_change;
+  step.image_angle = -2.0 * then.reference_phase;
+  return step;
 }
 
 }  // namespace cvg

@@ -33,6 +33,10 @@ constexpr double kMatrixSharp = 0.005;
 // to stand.
 constexpr double kMatrixNear = 0.05;
 
+EnvelopeInput inputOf(const BlockChain::Block& block) {
+  return {block.drive, block.reference_frequency, block.orbit.theta, block.rotation_rate};
+}
+
 }  // namespace
 
 double ExtendedEstimate::sigma(Eigen::Index state) const {
@@ -44,7 +48,7 @@ ExtendedIdentifier::ExtendedIdentifier(const DeviceKnowledge& device,
                                        const ConverterParameters& converter)
     : parameters_(checked(parameters, "extended")),
       state_(device, parameters),
-      periods_(converter.wholeBlocks(parameters.update_period, "extended/update_period")),
+      periods_(parameters.periodBlocks(converter)),
       block_duration_(converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(block_duration_)),
       // Demodulation gives each quadrature the two-sided density N^2; the moving average in it
@@ -56,25 +60,17 @@ ExtendedIdentifier::ExtendedIdentifier(const DeviceKnowledge& device,
 std::optional<ExtendedEstimate> ExtendedIdentifier::process(const OrbitalElements& elements,
                                                             const ControlGains& gains,
                                                             double rotation_rate) {
-  const BlockStamp& stamp = elements.stamp;
-  switch (periods_.follow(stamp)) {
-    case PeriodKeeper::Follows::kDirectly:
-      break;
-    case PeriodKeeper::Follows::kAfterGap:
-      chain_.reset();
-      breakChain();
-      break;
-    case PeriodKeeper::Follows::kNothing:
-      chain_.reset();
-      scaled_ = chained_ = settled_ = false;
-      passes_ = 0;
-      break;
+  const PeriodKeeper::Follows how = periods_.follow(elements.stamp);
+  if (how == PeriodKeeper::Follows::kNothing) {
+    scaled_ = chained_ = settled_ = false;
+    passes_ = 0;
   }
+  if (how == PeriodKeeper::Follows::kAfterGap) breakChain();
   if (chain_.admit(elements, gains, rotation_rate) != BlockUse::kUsable) {
     periods_.spoil();
     breakChain();
   } else if (periods_.complete()) {
-    gather(stamp.sequence);
+    gather();
   }
   if (!periods_.atLastBlock()) return std::nullopt;
   return finishPeriod();
@@ -85,8 +81,8 @@ double ExtendedIdentifier::restartSigma(double amplitude) const {
   return 0.01 * amplitude + 10.0 * sample_sigma_;
 }
 
-void ExtendedIdentifier::gather(std::uint64_t sequence) {
-  const BlockChain::Block now = chain_.block(sequence);
+void ExtendedIdentifier::gather() {
+  const BlockChain::Block& now = chain_.last();
   const bool first_of_period = periods_.atFirstBlock();
   if (first_of_period) first_look_ = FirstLookSum();
   periods_.see(now.orbit.theta);
@@ -98,19 +94,14 @@ void ExtendedIdentifier::gather(std::uint64_t sequence) {
   const bool restarted = first_of_period && !chained_;
   if (restarted) filter_.restartEnvelope(measured, restartSigma(now.orbit.a));
   if (first_of_period) {
-    EnvelopeInput input;
-    input.drive = now.drive;
-    input.reference_frequency = now.reference_frequency;
-    input.theta = now.orbit.theta;
-    input.rotation_rate = now.rotation_rate;
     update_blocks_ = updateBlocks();
     by_blocks_ = !filter_.isLinearOver(static_cast<double>(periodBlocks()) * block_duration_,
-                                       static_cast<int>(periodBlocks()), input);
+                                       static_cast<int>(periodBlocks()), inputOf(now));
   }
-  if (!restarted) propagate(sequence);
+  if (!restarted) propagate();
   filter_.sample(measured);
-  const std::uint64_t block_of_period = sequence % static_cast<std::uint64_t>(periodBlocks());
-  if (by_blocks_ || periods_.atLastBlock() || (block_of_period + 1) % update_blocks_ == 0) {
+  if (by_blocks_ || periods_.atLastBlock() ||
+      (periods_.blockOfPeriod() + 1) % update_blocks_ == 0) {
     update_ = filter_.update();
     chained_ = update_.accepted;
     if (!update_.accepted) periods_.spoil();
@@ -129,12 +120,11 @@ std::uint64_t ExtendedIdentifier::updateBlocks() const {
   return static_cast<std::uint64_t>(std::max(blocks, 1.0));
 }
 
-void ExtendedIdentifier::propagate(std::uint64_t sequence) {
-  const Orbit before = chain_.block(sequence - 1).orbit;
-  const Orbit now = chain_.block(sequence).orbit;
-  const Eigen::Vector4d measured_before = realParts(envelopeFromOrbit(before));
-  const Eigen::Vector4d measured_change = realParts(envelopeFromOrbit(now)) - measured_before;
-  for (const ChainSegment& segment : chain_.segments(sequence)) {
+void ExtendedIdentifier::propagate() {
+  const Eigen::Vector4d measured_before = realParts(envelopeFromOrbit(chain_.before().orbit));
+  const Eigen::Vector4d measured_change =
+      realParts(envelopeFromOrbit(chain_.last().orbit)) - measured_before;
+  for (const ChainSegment& segment : chain_.segments()) {
     if (segment.duration <= 0.0) continue;
     filter_.step(segment.input, measured_before + segment.middle * measured_change,
                  segment.duration);
@@ -154,14 +144,14 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod() {
   ExtendedEstimate estimate;
   bool used = false;
   if (periods_.complete() && scaled_) {
-    reconsider(stamp.sequence);
+    reconsider();
     used = estimate.updated = true;
     estimate.innovation = update_.innovation;
     estimate.innovation_covariance = update_.innovation_covariance;
     estimate.normalised_innovation_squared = update_.normalised_innovation_squared;
     estimate.whole_period = !by_blocks_;
   } else if (periods_.complete()) {
-    used = setScale(stamp.sequence);
+    used = setScale();
   }
   periods_.finish(used);
 
@@ -184,7 +174,7 @@ ExtendedEstimate ExtendedIdentifier::finishPeriod() {
   return estimate;
 }
 
-void ExtendedIdentifier::reconsider(std::uint64_t sequence) {
+void ExtendedIdentifier::reconsider() {
   if (filter_.linearisesAtEstimate()) return;
   const ExtendedVector& value = filter_.value();
   const int cubic = state_.layout().pickoff_cubic;
@@ -195,12 +185,7 @@ void ExtendedIdentifier::reconsider(std::uint64_t sequence) {
     cubic_sigma = square_amplitude * std::sqrt(filter_.covariance()(cubic, cubic));
     cubic_moved = square_amplitude * std::abs(value[cubic] - cubic_at_start_);
   }
-  EnvelopeInput input;
-  const BlockChain::Block now = chain_.block(sequence);
-  input.drive = now.drive;
-  input.reference_frequency = now.reference_frequency;
-  input.theta = now.orbit.theta;
-  input.rotation_rate = now.rotation_rate;
+  const EnvelopeInput input = inputOf(chain_.last());
   const bool sharp = filter_.matrixSigma(input) < kMatrixSharp * state_.decayRate(value);
   if (settled_) {
     if (sharp && cubic_sigma < kCubicSharp) filter_.lineariseAtEstimate();
@@ -241,12 +226,12 @@ void ExtendedIdentifier::startAgain() {
   start(value, sigma, nominal);
 }
 
-bool ExtendedIdentifier::setScale(std::uint64_t sequence) {
+bool ExtendedIdentifier::setScale() {
   const FirstLook look = first_look_.look(block_duration_, state_.device().decayRate());
   ExtendedVector value = startValue(state_, parameters_, look);
   const double drive_gain = value[state_.layout().drive_gain];
   if (!(look.drive_gain > 0.0) || !std::isfinite(drive_gain)) return false;
-  value.head<4>() = realParts(envelopeFromOrbit(chain_.block(sequence).orbit));
+  value.head<4>() = realParts(envelopeFromOrbit(chain_.last().orbit));
   first_value_ = value;
   first_sigma_ = priorSigma(state_, parameters_, value);
   first_sigma_.head<4>().setConstant(restartSigma(value.head<4>().norm()));

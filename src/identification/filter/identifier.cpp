@@ -1,11 +1,9 @@
 #include "ring_gyro/identification/filter/identifier.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "ring_gyro/common/square.h"
 
@@ -18,11 +16,6 @@ constexpr double kUnknownVariance = 1e30;
 // is never linear over a period: it is spread over the updates of the period's blocks.
 constexpr std::array<double, 7> kPaperProcessNoise = {1e-4, 1e-4, 1.0, 1.0, 1e-2, 1e-2, 1e7};
 constexpr double kPaperMeasurementNoise = 1e-4;
-
-// Blocks are taken so many at a time, in lanes: the code for it, which has long since left the
-// instruction cache, is then run several times in a row.
-constexpr int kMostWaiting = 4 * static_cast<int>(kLanes);
-static_assert(kMostWaiting <= static_cast<int>(BlockChain::kReach));
 
 IntervalNoise intervalNoise(const IdentificationParameters& parameters, double block_duration,
                             std::int64_t period_blocks) {
@@ -86,40 +79,20 @@ Identifier::Identifier(const DeviceKnowledge& device, const IdentificationParame
                        const ConverterParameters& converter)
     : parameters_(checked(parameters, "identification")),
       model_(device),
-      filter_(model_, intervalNoise(parameters, converter.blockDuration(),
-                                    parameters.periodBlocks(converter))),
+      filter_(
+          model_,
+          intervalNoise(parameters, converter.blockDuration(), parameters.periodBlocks(converter)),
+          converter.blockDuration()),
       periods_(parameters.periodBlocks(converter)),
       period_(static_cast<double>(periodBlocks()) * converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(converter.blockDuration())),
       chain_(converter.blockDurationNanoseconds()) {}
 
-inline void Identifier::take(const Orbit& orbit, const ControlGains& gains) {
-  const bool first_of_period = periods_.atFirstBlock();
-  if (first_of_period) startPeriod(orbit, gains.reference_frequency);
-  periods_.see(orbit.theta);
-  if (!scaled_) {
-    first_look_.add(orbit, gains.drive.total(), gains.reference_frequency);
-    return;
-  }
-  if (!first_of_period || chained_) ++waiting_;
-  if (waiting_ < most_waiting_ && !periods_.atLastBlock()) return;
-  takeWaiting();
-}
-
 const ParameterEstimate* Identifier::process(const OrbitalElements& elements,
                                              const ControlGains& gains) {
-  switch (periods_.follow(elements.stamp)) {
-    case PeriodKeeper::Follows::kDirectly:
-      break;
-    case PeriodKeeper::Follows::kAfterGap:
-      chain_.reset();
-      breakChain();
-      break;
-    case PeriodKeeper::Follows::kNothing:
-      chain_.reset();
-      scaled_ = chained_ = false;
-      break;
-  }
+  const PeriodKeeper::Follows how = periods_.follow(elements.stamp);
+  if (how == PeriodKeeper::Follows::kNothing) scaled_ = chained_ = false;
+  if (how == PeriodKeeper::Follows::kAfterGap) breakChain();
   last_use_ = chain_.admit(elements, gains, 0.0);
   if (last_use_ != BlockUse::kUsable) {
     periods_.spoil();
@@ -132,52 +105,49 @@ const ParameterEstimate* Identifier::process(const OrbitalElements& elements,
   return &estimate_;
 }
 
-void Identifier::startPeriod(const Orbit& orbit, double reference_frequency) {
-  first_look_ = FirstLookSum();
-  waiting_ = 0;
-  if (!scaled_) return;
+/// The block that the chain has just admitted.
+inline void Identifier::take(const Orbit& orbit, const ControlGains& gains) {
+  if (periods_.atFirstBlock()) startPeriod(gains.reference_frequency);
+  periods_.see(orbit.theta);
+  if (!scaled_) {
+    first_look_.add(orbit, gains.drive.total(), gains.reference_frequency);
+    return;
+  }
   const Eigen::Vector2d axes(orbit.a, orbit.b);
-  // Wide enough that the period's mean decides, and not this one sample.
-  if (!chained_) filter_.restartAxes(axes, 0.01 * orbit.a + 10.0 * sample_sigma_);
-  by_blocks_ =
-      periodBlocks() == 1 ||
-      !filter_.isLinearOver(period_, static_cast<int>(periodBlocks()), reference_frequency);
-  most_waiting_ = by_blocks_ ? 1 : kMostWaiting;
-  if (!chained_) filter_.sample(axes);
-}
-
-void Identifier::takeWaiting() {
-  const int count = std::exchange(waiting_, 0);
-  const std::uint64_t first = periods_.last().sequence + 1 - static_cast<std::uint64_t>(count);
-  if (by_blocks_ && count == 1) {
-    AveragedStep<double> step;
-    chain_.step(first, model_.decayRate(), step);
-    Eigen::Vector2d axes;
-    chain_.axes(first, axes[0], axes[1]);
-    filter_.stepAndUpdate(step, chain_.blockDuration(), axes);
+  if (!chained_) {
+    filter_.restartAxes(axes, restartSigma(orbit.a));
+    filter_.sample(axes);
+    chained_ = true;
+    // By itself it tells nothing more: the axes are made of it.
+    if (!periods_.atLastBlock()) return;
+    filter_.update();
+  } else if (by_blocks_) {
+    filter_.stepAndUpdate(chain_.step(model_.decayRate()), axes);
   } else {
-    constexpr int kMost = static_cast<int>(kLanes);
-    for (int taken = 0; taken < count; taken += kMost) {
-      const std::uint64_t sequence = first + static_cast<std::uint64_t>(taken);
-      AveragedStep<Lanes> steps;
-      chain_.steps(sequence, model_.decayRate(), steps);
-      Lanes a, b;
-      chain_.axes(sequence, a, b);
-      filter_.steps(steps, std::min(kMost, count - taken), chain_.blockDuration(), a, b);
-    }
-    if (!by_blocks_ && !periods_.atLastBlock()) return;
+    filter_.step(chain_.step(model_.decayRate()), axes);
+    if (!periods_.atLastBlock()) return;
     filter_.update();
   }
   chained_ = filter_.lastUpdate().accepted;
   if (!chained_) periods_.spoil();
 }
 
-/// The filter's a and b are not those of the next block.
+void Identifier::startPeriod(double reference_frequency) {
+  first_look_ = FirstLookSum();
+  by_blocks_ = periodBlocks() == 1 ||
+               !filter_.isLinearOver(static_cast<int>(periodBlocks()), reference_frequency);
+}
+
+double Identifier::restartSigma(double amplitude) const {
+  // Wide enough that the period's mean decides, and not one sample.
+  return 0.01 * std::abs(amplitude) + 10.0 * sample_sigma_;
+}
+
+/// The filter's a and b are not those of the block before the next one.
 void Identifier::breakChain() {
-  if (chained_) {
-    const Eigen::Vector2d axes = filter_.value().head<2>();
-    filter_.restartAxes(axes, 0.01 * std::abs(axes[0]) + 10.0 * sample_sigma_);
-  }
+  if (!chained_) return;
+  const Eigen::Vector2d axes = filter_.value().head<2>();
+  filter_.restartAxes(axes, restartSigma(axes[0]));
   chained_ = false;
 }
 
@@ -229,7 +199,7 @@ bool Identifier::setScale() {
   StateVector value = StateVector::Zero();
   value[kA] = look.amplitude;
   value[kDriveGain] = look.drive_gain;
-  const double axis_sigma = 0.01 * value[kA] + 10.0 * sample_sigma_;
+  const double axis_sigma = restartSigma(look.amplitude);
   StateVector sigma;
   sigma << axis_sigma, axis_sigma, parameters_.initial_gamma_sigma, parameters_.initial_gamma_sigma,
       parameters_.initial_mu_sigma, parameters_.initial_mu_sigma,

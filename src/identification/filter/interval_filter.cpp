@@ -1,5 +1,6 @@
 #include "ring_gyro/identification/filter/interval_filter.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ring_gyro/common/vector_dispatch.h"
@@ -7,10 +8,7 @@
 namespace cvg {
 namespace {
 
-TwoLanes pairOf(const Eigen::Vector2d& vector) { return TwoLanes{vector[0], vector[1]}; }
-
-/// Written as Eigen reads it (pairs.h).
-StateVector stateOf(const TwoLanes& axes, const ParameterLanes& parameters) {
+StateVector stateOf(const Vector2& axes, const Vector5& parameters) {
   StateVector state;
   store(axes, state.data());
   store(parameters.mismatch, state.data() + 2);
@@ -18,18 +16,20 @@ StateVector stateOf(const TwoLanes& axes, const ParameterLanes& parameters) {
   return state;
 }
 
-/// Of the two components of the drive that bring noise of the angles into a' and b': sum of squares
-/// and product.
-TwoLanes squaresOf(const AxesDynamics<double>& dynamics) {
-  return TwoLanes{dynamics.along_real * dynamics.along_real +
-                      dynamics.across_imaginary * dynamics.across_imaginary,
-                  dynamics.along_real * dynamics.across_imaginary};
-}
+/// Of the two components of the drive that bring noise of the angles into a' and b', Re f1 and
+/// Im f2: sum of squares and product.
+template <typename Real>
+struct DriveSquares {
+  Real sum, product;
+  explicit DriveSquares(const AxesDynamics<Real>& at)
+      : sum(at.f1.re * at.f1.re + at.f2.im * at.f2.im), product(at.f1.re * at.f2.im) {}
+};
 
 }  // namespace
 
-IntervalFilter::IntervalFilter(const AveragedModel& model, const IntervalNoise& noise)
-    : model_(model), noise_(noise) {
+IntervalFilter::IntervalFilter(const AveragedModel& model, const IntervalNoise& noise,
+                               double step_duration)
+    : model_(model), noise_(noise), step_duration_(step_duration) {
   initialise(StateVector::Zero(), StateVector::Zero(), ParameterVector::Zero());
 }
 
@@ -37,11 +37,11 @@ void IntervalFilter::initialise(const StateVector& value, const StateVector& sig
                                 const ParameterVector& walk, double memory_time) {
   drive_gain_scale_ = value[kDriveGain];
   Belief& belief = beliefs_[present_];
-  belief.axes = pairOf(value.head<2>());
-  belief.parameters = ParameterLanes(value.tail<5>());
+  belief.axes = vector2(value.head<2>());
+  belief.parameters = Vector5(value.tail<5>());
   belief.covariance = FactoredCovariance(ParameterVector(sigma.tail<5>().cwiseAbs2()));
   belief.regression = {};
-  belief.conditional = diagonal(sigma[kA] * sigma[kA], sigma[kB] * sigma[kB]);
+  belief.conditional = Matrix2::diagonal(sigma[kA] * sigma[kA], sigma[kB] * sigma[kB]);
   variance_growth_ = walk.cwiseAbs2();
   walks_ = !variance_growth_.isZero(0.0);
   memory_time_ = memory_time;
@@ -50,13 +50,14 @@ void IntervalFilter::initialise(const StateVector& value, const StateVector& sig
 
 void IntervalFilter::restartAxes(const Eigen::Vector2d& axes, double sigma) {
   Belief& belief = beliefs_[present_];
-  belief.axes = pairOf(axes);
+  belief.axes = vector2(axes);
   belief.regression = {};
-  belief.conditional = diagonal(sigma * sigma, sigma * sigma);
+  belief.conditional = Matrix2::diagonal(sigma * sigma, sigma * sigma);
   abandon();
 }
 
 void IntervalFilter::abandon() {
+  waiting_.clear();
   axes_ = present().axes;
   elapsed_ = 0.0;
   samples_ = 0;
@@ -67,7 +68,8 @@ inline DeviceParameters IntervalFilter::device() const {
   return {mismatch[0], mismatch[1], mismatch[2], mismatch[3], present().parameters.drive_gain};
 }
 
-bool IntervalFilter::isLinearOver(double duration, int samples, double reference_frequency) const {
+bool IntervalFilter::isLinearOver(int steps, double reference_frequency) const {
+  const double duration = steps * step_duration_;
   const StateVector variances = variance();
   const auto sigma = [&variances](int state) { return std::sqrt(variances[state]); };
   const double decay = model_.decayRate();
@@ -79,133 +81,131 @@ bool IntervalFilter::isLinearOver(double duration, int samples, double reference
   const double gathered = 0.5 * (gamma + mu + force) * duration * std::hypot(axes_[0], axes_[1]);
   const double axes = std::hypot(sigma(kA), sigma(kB)) + gathered;
   const double neglected = axes * (gamma + mu) * duration;
-  return neglected < 0.1 * std::sqrt(noise_.sample_variance / samples);
+  return neglected < 0.1 * std::sqrt(noise_.sample_variance / steps);
 }
 
 void IntervalFilter::sample(const Eigen::Vector2d& measured) {
   start();
-  sensitivity_sum_ = sensitivity_;
+  to_sum_ = to_end_;
   predicted_sum_ = axes_;
-  measured_sum_ = pairOf(measured);
+  measured_sum_ = vector2(measured);
   samples_ = 1;
 }
 
-RING_GYRO_NOT_INLINE RING_GYRO_FLATTEN void IntervalFilter::step(const AveragedStep<double>& step,
-                                                                 double duration,
-                                                                 const Eigen::Vector2d& measured) {
-  if (samples_ == 0) start();
-  const AxesDynamics<double> dynamics(model_.decayRate(), model_.angularFrequency(), step);
-  axes_ = advance(dynamics, squaresOf(dynamics), 1, duration);
-  predicted_sum_ += axes_;
-  measured_sum_ += pairOf(measured);
-}
-
-RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::steps(
-    const AveragedStep<Lanes>& steps, int count, double duration, const Lanes& measured_a,
-    const Lanes& measured_b) {
-  if (samples_ == 0) start();
-  const AxesDynamics<Lanes> dynamics(model_.decayRate(), model_.angularFrequency(), steps);
-  const AxesTransition<Lanes> each = dynamics.transition(device(), duration);
-  const Lanes a_kept = 1.0 + each.aa;
-  const Lanes b_kept = 1.0 + each.bb;
-  double a = axes_[0], b = axes_[1];
-  double a_predicted = 0.0, b_predicted = 0.0;
-// Short code counts: it is run once in several blocks, and then comes from far.
-#pragma GCC unroll 1
-  for (int k = 0; k < count; ++k) {
-    // In this order a step waits for as little as can be of the one before.
-    const double a_before = a;
-    a = a_kept[k] * a + (each.ab[k] * b + each.a_force[k]);
-    b = b_kept[k] * b + (each.ba[k] * a_before + each.b_force[k]);
-    a_predicted += a;
-    b_predicted += b;
-  }
-
-  using Whole = WholeLanes<Lanes>::Type;
-  const Whole counted = Whole{0, 1, 2, 3, 4, 5, 6, 7} < Whole{} + static_cast<std::uint64_t>(count);
-  const auto sum = [&counted](const Lanes& lanes) {
-    return sumOf((Lanes)((Whole)lanes & counted));
-  };
-  const double share = 1.0 / count;
-  const auto mean = [&](const Lanes& lanes) { return share * sum(lanes); };
-  const TwoLanes mean_squares = {mean(dynamics.along_real * dynamics.along_real +
-                                      dynamics.across_imaginary * dynamics.across_imaginary),
-                                 mean(dynamics.along_real * dynamics.across_imaginary)};
-  advance(AxesDynamics<double>(dynamics, mean), mean_squares, count, duration);
-  axes_ = TwoLanes{a, b};
-  predicted_sum_ += TwoLanes{a_predicted, b_predicted};
-  measured_sum_ += TwoLanes{sum(measured_a), sum(measured_b)};
-}
-
 void IntervalFilter::start() {
-  sensitivity_ = sensitivity_sum_ = Sensitivity();
-  sensitivity_.by_axes = diagonal(1.0, 1.0);
-  noise_end_ = noise_end_sum_ = noise_sum_ = Square();
-  predicted_sum_ = measured_sum_ = TwoLanes{};
+  to_end_ = to_sum_ = Sensitivity();
+  to_end_.by_axes = Matrix2::diagonal(1.0, 1.0);
+  gathered_ = Noise();
+  predicted_sum_ = measured_sum_ = Vector2{};
 }
 
-/// What noise in the angles, held for `duration`, is worth as a variance of a rate's integral, per
+void IntervalFilter::step(const AveragedStep<double>& step, const Eigen::Vector2d& measured) {
+  waiting_.push(step, measured);
+  if (waiting_.size() == StepQueue::kMost) settle();
+}
+
+RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::settle() {
+  if (samples_ == 0) start();
+  const int waiting = static_cast<int>(waiting_.size());
+  for (int first = 0; first < waiting; first += static_cast<int>(kLanes)) {
+    const StepQueue::Group& group = waiting_.group(static_cast<std::size_t>(first));
+    const int count = std::min(static_cast<int>(kLanes), waiting - first);
+    const AxesDynamics<Lanes> dynamics(model_.decayRate(), model_.angularFrequency(), group.step);
+    const AxesTransition<Lanes> each = dynamics.transition(device(), step_duration_);
+    const Lanes a_kept = 1.0 + each.change.aa;
+    const Lanes b_kept = 1.0 + each.change.bb;
+    double a = axes_[0], b = axes_[1];
+    double a_predicted = 0.0, b_predicted = 0.0;
+// Not unrolled: this code is run too seldom to stay in the instruction cache, so short is fast.
+#pragma GCC unroll 1
+    for (int k = 0; k < count; ++k) {
+      // In this order a step waits for as little as can be of the one before.
+      const double a_before = a;
+      a = a_kept[k] * a + (each.change.ab[k] * b + each.a_force[k]);
+      b = b_kept[k] * b + (each.change.ba[k] * a_before + each.b_force[k]);
+      a_predicted += a;
+      b_predicted += b;
+    }
+
+    using Whole = WholeLanes<Lanes>::Type;
+    const Whole counted =
+        Whole{0, 1, 2, 3, 4, 5, 6, 7} < Whole{} + static_cast<std::uint64_t>(count);
+    const auto sum = [&counted](const Lanes& lanes) {
+      return sumOf((Lanes)((Whole)lanes & counted));
+    };
+    const double share = 1.0 / count;
+    const auto mean = [&](const Lanes& lanes) { return share * sum(lanes); };
+    const DriveSquares<Lanes> squares(dynamics);
+    advance(AxesDynamics<double>(dynamics, mean), Vector2{mean(squares.sum), mean(squares.product)},
+            count);
+    axes_ = Vector2{a, b};
+    predicted_sum_ += Vector2{a_predicted, b_predicted};
+    measured_sum_ += Vector2{sum(group.a), sum(group.b)};
+  }
+  waiting_.clear();
+}
+
+/// What noise in the angles, constant over a step, is worth as a variance of a rate's integral, per
 /// square of the rate's slope.
-inline double IntervalFilter::angleVariance(const TwoLanes& axes, double duration) const {
-  return duration * noise_.angle_density / (axes[0] * axes[0] + axes[1] * axes[1]);
+inline double IntervalFilter::angleVariance(const Vector2& axes) const {
+  return step_duration_ * noise_.angle_density / (axes[0] * axes[0] + axes[1] * axes[1]);
 }
 
-/// Process noise of a and b in one of the steps of `duration` that `step` is made of.
-inline Square IntervalFilter::stepNoise(const AxesStepPairs& step, const TwoLanes& axes,
-                                        double duration) const {
-  const double angle_variance = angleVariance(axes, duration);
-  const double density = duration * noise_.axes_density;
-  return angle_variance * (outer(step.rate_by_angles.first, step.rate_by_angles.first) +
-                           outer(step.rate_by_angles.second, step.rate_by_angles.second)) +
-         diagonal(density, density);
+/// Process noise of a and b in one of the steps that `step` is made of.
+inline Matrix2 IntervalFilter::stepNoise(const AxesStepResult& step, const Vector2& axes) const {
+  return angleVariance(axes) * (outer(step.rate_by_angles.first, step.rate_by_angles.first) +
+                                outer(step.rate_by_angles.second, step.rate_by_angles.second)) +
+         step_duration_ * noise_.axes_density;
 }
 
 /// Derivatives and noise of the interval after `count` steps more from axes_ on, with these means
-/// of their dynamics and of squaresOf() them. Within the steps the derivatives change in proportion
-/// to time. Gives the axes to which one step over all of them leads.
-RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN TwoLanes IntervalFilter::advance(
-    const AxesDynamics<double>& mean, const TwoLanes& squares, int count, double duration) {
+/// of their dynamics and of their DriveSquares. Within the steps the derivatives change in
+/// proportion to time. Returns the axes to which one step over all of them leads.
+RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN Vector2
+IntervalFilter::advance(const AxesDynamics<double>& mean, const Vector2& squares, int count) {
   const DeviceParameters parameters = device();
   const double n = count;
-  const AxesStepPairs step = AxesRatePairs(mean, parameters).step(axes_, n * duration);
+  const AxesStepResult step = AxesEquation(mean, parameters).step(axes_, n * step_duration_);
   // Loops that follow noise make drives that differ from step to step: the mean of their squares is
   // more than the square of their mean.
-  const TwoLanes spread = squares - squaresOf(mean);
-  const double angle_variance =
-      angleVariance(axes_, duration) * parameters.drive_gain * parameters.drive_gain;
-  const Square noise = stepNoise(step, axes_, duration) +
-                       angle_variance * Square{TwoLanes{spread[0], -2.0 * spread[1]},
-                                               TwoLanes{-2.0 * spread[1], spread[0]}};
-  const Square& transition = step.by_axes;
-  elapsed_ += n * duration;
+  const DriveSquares<double> of_mean(mean);
+  const double more = squares[0] - of_mean.sum;
+  const double more_across = -2.0 * (squares[1] - of_mean.product);
+  const double ks = parameters.drive_gain;
+  const Matrix2 noise =
+      stepNoise(step, axes_) + angleVariance(axes_) * ks * ks *
+                                   Matrix2{Vector2{more, more_across}, Vector2{more_across, more}};
+  elapsed_ += n * step_duration_;
   samples_ += count;
 
-  // What the start passes on to the sum of the samples.
-  const Square to_sum = 0.5 * (n + 1.0) * transition + diagonal(0.5 * (n - 1.0), 0.5 * (n - 1.0));
-  sensitivity_sum_.by_axes = sensitivity_sum_.by_axes + to_sum * sensitivity_.by_axes;
-  sensitivity_.by_axes = transition * sensitivity_.by_axes;
-  sensitivity_sum_.by_parameters = sensitivity_sum_.by_parameters +
-                                   to_sum * sensitivity_.by_parameters +
-                                   0.5 * (n + 1.0) * step.by_parameters;
-  sensitivity_.by_parameters = transition * sensitivity_.by_parameters + step.by_parameters;
-  gatherNoise(transition, to_sum, noise, n);
+  // Of the state where the steps begin: through T to their end, through T_s to the sum of their
+  // samples.
+  const Matrix2& t = step.by_axes;
+  const Matrix2 t_s = 0.5 * (n + 1.0) * t + 0.5 * (n - 1.0);
+  to_sum_.by_axes = to_sum_.by_axes + t_s * to_end_.by_axes;
+  to_end_.by_axes = t * to_end_.by_axes;
+  to_sum_.by_parameters =
+      to_sum_.by_parameters + t_s * to_end_.by_parameters + 0.5 * (n + 1.0) * step.by_parameters;
+  to_end_.by_parameters = t * to_end_.by_parameters + step.by_parameters;
+  gatherNoise(t, t_s, noise, n);
   return step.axes;
 }
 
-/// Noise that the interval gathers in `n` steps: `transition` and `to_sum` pass on what there was
-/// to the end and to the sum of the samples, `noise` is that of each step.
-inline void IntervalFilter::gatherNoise(const Square& transition, const Square& to_sum,
-                                        const Square& noise, double n) {
-  const Square start_with_sum = noise_end_ * transposed(to_sum);
-  const Square sum_with_sum = to_sum * noise_end_sum_;
-  noise_sum_ = noise_sum_ + (sum_with_sum + transposed(sum_with_sum)) + to_sum * start_with_sum;
-  noise_end_sum_ = transition * (noise_end_sum_ + start_with_sum);
-  noise_end_ = transition * (noise_end_ * transposed(transition));
+/// Noise that the interval gathers in `n` steps, each of which adds `noise` (docs/filter.md,
+/// section 4).
+inline void IntervalFilter::gatherNoise(const Matrix2& t, const Matrix2& t_s, const Matrix2& noise,
+                                        double n) {
+  // What there was is passed on to the end and to the samples.
+  const Matrix2 end_with_sum = gathered_.end * transposed(t_s);
+  const Matrix2 sum_with_sum = t_s * gathered_.end_sum;
+  gathered_.sum = gathered_.sum + (sum_with_sum + transposed(sum_with_sum)) + t_s * end_with_sum;
+  gathered_.end_sum = t * (gathered_.end_sum + end_with_sum);
+  gathered_.end = t * (gathered_.end * transposed(t));
 
-  // Noise of each step goes on to the end and to the samples from its own on: how often, and
-  // through how many steps on the mean, to first order in what they do.
-  const Square moved = (1.0 / n) * ((transition - diagonal(1.0, 1.0)) * noise);
-  const Square moved_back = transposed(moved);
+  // The noise of each step goes on to the end, and to each sample from its own on: so often, and
+  // through so many steps in the mean, to first order in what a step does.
+  const Matrix2 moved = (1.0 / n) * ((t - 1.0) * noise);
+  const Matrix2 moved_back = transposed(moved);
   const auto passed = [&](double steps, double other_steps) {
     return noise + steps * moved + other_steps * moved_back;
   };
@@ -214,41 +214,43 @@ inline void IntervalFilter::gatherNoise(const Square& transition, const Square& 
   const double triples = pairs * (2.0 * n + 1.0) / 3.0;
   // Sum over m < n of m (m + 1)^2 / 2.
   const double through = n * left * (3.0 * n * left + 4.0 * (2.0 * n - 1.0) + 6.0) / 24.0;
-  noise_end_ = noise_end_ + n * passed(0.5 * left, 0.5 * left);
-  noise_end_sum_ = noise_end_sum_ + pairs * passed(2.0 / 3.0 * left, 1.0 / 3.0 * left);
-  noise_sum_ = noise_sum_ + triples * passed(through / triples, through / triples);
+  gathered_.end = gathered_.end + n * passed(0.5 * left, 0.5 * left);
+  gathered_.end_sum = gathered_.end_sum + pairs * passed(2.0 / 3.0 * left, 1.0 / 3.0 * left);
+  gathered_.sum = gathered_.sum + triples * passed(through / triples, through / triples);
 }
 
 RING_GYRO_NOT_INLINE const IntervalUpdate& IntervalFilter::update() {
+  if (waiting_.size() > 0) settle();
   if (samples_ == 0) return update_ = {};
   measureMean(beliefs_[1 - present_]);
-  keep(sensitivity_sum_.by_parameters);
+  keep(to_sum_.by_parameters);
   return update_;
 }
 
 RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN const IntervalUpdate& IntervalFilter::stepAndUpdate(
-    const AveragedStep<double>& step, double duration, const Eigen::Vector2d& measured) {
-  if (samples_ > 0) {
-    this->step(step, duration, measured);
+    const AveragedStep<double>& step, const Eigen::Vector2d& measured) {
+  if (samples_ > 0 || waiting_.size() > 0) {
+    this->step(step, measured);
     return update();
   }
   const DeviceParameters parameters = device();
   const AxesDynamics<double> dynamics(model_.decayRate(), model_.angularFrequency(), step);
-  const AxesStepPairs taken = AxesRatePairs(dynamics, parameters).step(axes_, duration);
-  elapsed_ = duration;
-  measureStep(taken, stepNoise(taken, axes_, duration), pairOf(measured) - taken.axes,
+  const AxesStepResult taken = AxesEquation(dynamics, parameters).step(axes_, step_duration_);
+  elapsed_ = step_duration_;
+  measureStep(taken, stepNoise(taken, axes_), vector2(measured) - taken.axes,
               beliefs_[1 - present_]);
   keep(taken.by_parameters);
   return update_;
 }
 
-/// What is measured of the axes tells of the parameters, on which it depends by `regression`, given
-/// them with covariance `conditional`, noise and all. Gives what the parameters gain. Notes the
-/// update, and whether the noise is one: inputs beyond all reason can make some that is not.
-inline ParameterLanes IntervalFilter::measureParameters(const ParameterRows& regression,
-                                                        const Square& conditional,
-                                                        const TwoLanes& innovation,
-                                                        FactoredCovariance& next) {
+/// What is measured of the axes tells of the parameters: it depends on them by `regression`, and
+/// given them has the covariance `conditional`, measurement noise and all. Returns what the
+/// parameters gain. Notes the update, and whether the covariance is one: inputs beyond all reason
+/// can make it other than positive definite.
+inline Vector5 IntervalFilter::measureParameters(const Matrix2x5& regression,
+                                                 const Matrix2& conditional,
+                                                 const Vector2& innovation,
+                                                 FactoredCovariance& next) {
   const FactoredCovariance::Outcome outcome =
       present().covariance.measure(regression, conditional, innovation, next);
   store(innovation, update_.innovation.data());
@@ -259,61 +261,55 @@ inline ParameterLanes IntervalFilter::measureParameters(const ParameterRows& reg
   return outcome.gained;
 }
 
-/// What the axes are to depend on the parameters by, after the start's state has been passed on.
-inline ParameterRows IntervalFilter::passedOn(const Square& by_axes,
-                                              const ParameterRows& by_parameters) const {
-  return by_axes * present().regression + by_parameters;
-}
+/// The step's end is what is measured (docs/filter.md, sections 2 and 3).
+inline void IntervalFilter::measureStep(const AxesStepResult& step, const Matrix2& noise,
+                                        const Vector2& innovation, Belief& next) {
+  const Matrix2& t = step.by_axes;
+  const Matrix2x5 c = t * present().regression + step.by_parameters;
+  const Matrix2 s = t * (present().conditional * transposed(t)) + noise;
+  const Matrix2 measured = s + noise_.sample_variance;
+  const Vector5 gained = measureParameters(c, measured, innovation, next.covariance);
 
-/// The step's end is what is measured.
-inline void IntervalFilter::measureStep(const AxesStepPairs& step, const Square& noise,
-                                        const TwoLanes& innovation, Belief& next) {
-  const ParameterRows regression = passedOn(step.by_axes, step.by_parameters);
-  const Square known = step.by_axes * (present().conditional * transposed(step.by_axes)) + noise;
-  const Square conditional = known + diagonal(noise_.sample_variance, noise_.sample_variance);
-  const ParameterLanes gained =
-      measureParameters(regression, conditional, innovation, next.covariance);
-
-  // Of the axes given the parameters; the gain is 1 - rest.
-  const Square rest = noise_.sample_variance * inverse(conditional);
-  next.regression = rest * regression;
+  // Of the axes given the parameters. 1 - K, K = S (S + R)^-1, is R (S + R)^-1.
+  const Matrix2 rest = noise_.sample_variance * inverse(measured);
+  next.regression = rest * c;
   next.parameters = present().parameters + gained;
-  next.conditional = symmetric(known * rest);
-  next.axes = (step.axes + (innovation - rest * innovation)) + product(next.regression, gained);
+  next.conditional = symmetric(s * rest);
+  next.axes = (step.axes + (innovation - rest * innovation)) + next.regression * gained;
 }
 
+/// The mean of the interval's samples is what is measured (docs/filter.md, section 3).
 void IntervalFilter::measureMean(Belief& next) {
   const double share = 1.0 / samples_;
-  const double variance = share * noise_.sample_variance;
-  const Square& to_end = sensitivity_.by_axes;
-  const Square to_mean = share * sensitivity_sum_.by_axes;
-  const ParameterRows of_end = passedOn(to_end, sensitivity_.by_parameters);
-  const ParameterRows of_mean = passedOn(to_mean, share * sensitivity_sum_.by_parameters);
-  const Square cross_noise = share * noise_end_sum_;
-  const Square mean_noise = share * share * noise_sum_ + diagonal(variance, variance);
-  const Square start_with_mean = present().conditional * transposed(to_mean);
-  const Square conditional = symmetric(to_mean * start_with_mean + mean_noise);
-  const TwoLanes innovation = share * (measured_sum_ - predicted_sum_);
-  const ParameterLanes gained =
-      measureParameters(of_mean, conditional, innovation, next.covariance);
+  const Matrix2& s = present().conditional;
+  const Matrix2& t_e = to_end_.by_axes;
+  const Matrix2 t_m = share * to_sum_.by_axes;
+  const Matrix2x5 c_e = t_e * present().regression + to_end_.by_parameters;
+  const Matrix2x5 c_m = t_m * present().regression + share * to_sum_.by_parameters;
+  const Matrix2& n_e = gathered_.end;
+  const Matrix2 n_em = share * gathered_.end_sum;
+  const Matrix2 n_m = share * share * gathered_.sum + share * noise_.sample_variance;
+  const Matrix2 s_with_mean = s * transposed(t_m);
+  const Matrix2 measured = symmetric(t_m * s_with_mean + n_m);
+  const Vector2 innovation = share * (measured_sum_ - predicted_sum_);
+  const Vector5 gained = measureParameters(c_m, measured, innovation, next.covariance);
 
   // Of the axes given the parameters, as a sum of what cannot be negative (Joseph).
-  const Square gain = (to_end * start_with_mean + cross_noise) * inverse(conditional);
-  const Square rest = to_end - gain * to_mean;
-  const Square mixed = gain * transposed(cross_noise);
-  next.regression = of_end - gain * of_mean;
+  const Matrix2 gain = (t_e * s_with_mean + n_em) * inverse(measured);
+  const Matrix2 rest = t_e - gain * t_m;
+  const Matrix2 mixed = gain * transposed(n_em);
+  next.regression = c_e - gain * c_m;
   next.parameters = present().parameters + gained;
-  next.conditional =
-      symmetric(rest * (present().conditional * transposed(rest)) + noise_end_ -
-                (mixed + transposed(mixed)) + gain * (mean_noise * transposed(gain)));
-  next.axes = (axes_ + gain * innovation) + product(next.regression, gained);
+  next.conditional = symmetric(rest * (s * transposed(rest)) + n_e - (mixed + transposed(mixed)) +
+                               gain * (n_m * transposed(gain)));
+  next.axes = (axes_ + gain * innovation) + next.regression * gained;
 }
 
 /// Makes the next belief the present one unless a number in it is not finite, and starts the next
 /// interval. `shown`: what the measurement has shown of the parameters.
-inline void IntervalFilter::keep(const ParameterRows& shown) {
+inline void IntervalFilter::keep(const Matrix2x5& shown) {
   Belief& next = beliefs_[1 - present_];
-  const ParameterLanes sum = next.parameters + (next.regression.first + next.regression.second);
+  const Vector5 sum = next.parameters + (next.regression.first + next.regression.second);
   update_.accepted &= std::isfinite(
       sumOf(sum) + (next.axes[0] + next.axes[1]) +
       (next.conditional.first[0] + next.conditional.first[1] + next.conditional.second[1]) +
@@ -339,10 +335,10 @@ RING_GYRO_NOT_INLINE void IntervalFilter::walk(Belief& belief) const {
 /// Directional forgetting (Kulhavy): the covariance grows along P h, where the interval's
 /// measurement h has just made it smaller, and nowhere else. What the data do not show, as with a
 /// pattern at rest, stays as well known as it was.
-RING_GYRO_NOT_INLINE void IntervalFilter::forget(const ParameterRows& shown, Belief& belief) const {
+RING_GYRO_NOT_INLINE void IntervalFilter::forget(const Matrix2x5& shown, Belief& belief) const {
   const double growth = std::expm1(elapsed_ / memory_time_);
-  for (const ParameterLanes& lanes : {shown.first, shown.second}) {
-    const ParameterVector row = lanes.vector();
+  for (const Vector5& shown_row : {shown.first, shown.second}) {
+    const ParameterVector row = eigen(shown_row);
     const ParameterVector direction = belief.covariance.matrix() * row;
     const double variance = row.dot(direction);
     if (variance > 0.0) addTo(belief, growth / variance, direction);
@@ -358,7 +354,7 @@ void IntervalFilter::addTo(Belief& belief, double weight, const ParameterVector&
 StateVector IntervalFilter::value() const { return stateOf(present().axes, present().parameters); }
 
 StateMatrix IntervalFilter::covariance() const {
-  const Eigen::Matrix<double, 2, 5> regression = present().regression.matrix();
+  const Eigen::Matrix<double, 2, 5> regression = eigen(present().regression);
   const FactoredCovariance::Matrix parameters = present().covariance.matrix();
   const Eigen::Matrix<double, 2, 5> cross = regression * parameters;
   StateMatrix result;
@@ -370,12 +366,12 @@ StateMatrix IntervalFilter::covariance() const {
 }
 
 RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN ParameterVector IntervalFilter::parameterVariance() const {
-  return present().covariance.variance().vector();
+  return eigen(present().covariance.variance());
 }
 
 StateVector IntervalFilter::variance() const {
   const Belief& belief = present();
-  const TwoLanes axes = belief.covariance.variance(belief.regression);
+  const Vector2 axes = belief.covariance.variance(belief.regression);
   StateVector result;
   result << belief.conditional.first[0] + axes[0], belief.conditional.second[1] + axes[1],
       parameterVariance();

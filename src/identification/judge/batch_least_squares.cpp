@@ -39,8 +39,7 @@ BatchLeastSquares::BatchLeastSquares(const DeviceKnowledge& device,
                                      const ConverterParameters& converter)
     : parameters_(checked(parameters, "extended")),
       model_(ExtendedState(device, parameters)),
-      period_blocks_(static_cast<std::size_t>(
-          converter.wholeBlocks(parameters.update_period, "extended/update_period"))),
+      period_blocks_(static_cast<std::size_t>(parameters.periodBlocks(converter))),
       block_duration_(converter.blockDuration()),
       sample_variance_(parameters.noise_density * parameters.noise_density / block_duration_),
       chain_(converter.blockDurationNanoseconds()) {}
@@ -51,8 +50,8 @@ void BatchLeastSquares::add(const OrbitalElements& elements, const ControlGains&
     chained_ = false;
     return;
   }
-  const std::uint64_t sequence = elements.stamp.sequence;
-  const BlockChain::Block now = chain_.block(sequence);
+  const BlockChain::Block& now = chain_.last();
+  chained_ = chained_ && chain_.follows();
   if (samples_.size() < period_blocks_) {
     first_look_.add(now.orbit, now.drive, now.reference_frequency);
   }
@@ -62,7 +61,7 @@ void BatchLeastSquares::add(const OrbitalElements& elements, const ControlGains&
   sample.durations = {0.0, 0.0};
   sample.middles = {0.0, 0.0};
   if (chained_) {
-    const std::array<ChainSegment, 2> segments = chain_.segments(sequence);
+    const std::array<ChainSegment, 2> segments = chain_.segments();
     for (std::size_t k = 0; k < 2; ++k) {
       const ChainSegment& segment = segments[k];
       sample.durations[k] = segment.duration;

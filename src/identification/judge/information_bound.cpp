@@ -81,16 +81,15 @@ void AxesBound::process(const OrbitalElements& elements, const ControlGains& gai
     chained_ = false;
     return;
   }
-  const std::uint64_t sequence = elements.stamp.sequence;
-  const Orbit now = chain_.block(sequence).orbit;
-  if (!chained_) {
+  const Orbit& now = chain_.last().orbit;
+  if (!chained_ || !chain_.follows()) {
     axes_ << now.a, now.b;
     bound_.forgetMoving(unknown(sample_variance_));
   } else {
-    const Orbit before = chain_.block(sequence - 1).orbit;
+    const Orbit& before = chain_.before().orbit;
     AveragedInput input;
     input.pattern_rate = (now.theta - before.theta) / elements.stamp.duration();
-    for (const ChainSegment& segment : chain_.segments(sequence)) {
+    for (const ChainSegment& segment : chain_.segments()) {
       if (segment.duration <= 0.0) continue;
       input.drive = segment.input.drive;
       input.reference_frequency = segment.input.reference_frequency;
@@ -125,14 +124,13 @@ void EnvelopeBound::process(const OrbitalElements& elements, const ControlGains&
     chained_ = false;
     return;
   }
-  const std::uint64_t sequence = elements.stamp.sequence;
-  const Orbit now = chain_.block(sequence).orbit;
+  const Orbit& now = chain_.last().orbit;
   const Eigen::Index size = truth_.size();
-  if (!chained_) {
+  if (!chained_ || !chain_.follows()) {
     truth_.head<4>() = model_.undistorted(realParts(envelopeFromOrbit(now)), truth_);
     bound_.forgetMoving(unknown(sample_variance_));
   } else {
-    for (const ChainSegment& segment : chain_.segments(sequence)) {
+    for (const ChainSegment& segment : chain_.segments()) {
       if (segment.duration <= 0.0) continue;
       const Eigen::Vector4d envelope = truth_.head<4>();
       model_.step(envelope, truth_, {envelope, truth_}, segment.input, segment.duration, step_);

@@ -4,41 +4,29 @@
 #include <complex>
 
 #include "ring_gyro/common/angle.h"
-#include "ring_gyro/identification/model/axes_dynamics.h"
+#include "ring_gyro/identification/model/axes_equation.h"
 
 namespace cvg {
 namespace {
-
-Eigen::Vector2d vectorOf(const TwoLanes& pair) { return {pair[0], pair[1]}; }
-
-Eigen::Matrix2d matrixOf(const Square& matrix) {
-  Eigen::Matrix2d result;
-  result << vectorOf(matrix.first), vectorOf(matrix.second);
-  return result;
-}
 
 AxesDynamics<double> dynamicsAt(const AveragedModel& model, const Orbit& orbit,
                                 const AveragedInput& input) {
   return {model.decayRate(), model.angularFrequency(), averagedStep(orbit.theta, orbit.phi, input)};
 }
 
-/// Of one component of driveStep(): `turn_re` + i `turn_im`: e^{-2 i psi}.
-std::complex<double> stepImage(std::complex<double> step, double turn_re, double turn_im,
-                               double spread) {
-  const double re = step.real() - (step.real() * turn_re + step.imag() * turn_im);
-  const double im = step.imag() - (step.real() * turn_im - step.imag() * turn_re);
-  return {-spread * im, spread * re};
-}
-
 }  // namespace
 
 Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before, const Eigen::Vector2cd& after,
                            double reference_phase, double reference_frequency, double duration) {
-  const Eigen::Vector2cd step = after - before;
+  // i (S - S* e^{-2 i psi}) / (2 w duration)
+  const Phasor<double> image = {std::cos(-2.0 * reference_phase), std::sin(-2.0 * reference_phase)};
   const double spread = 0.5 / (reference_frequency * duration);
-  const double cosine = std::cos(-2.0 * reference_phase);
-  const double sine = std::sin(-2.0 * reference_phase);
-  return {stepImage(step.x(), cosine, sine, spread), stepImage(step.y(), cosine, sine, spread)};
+  const auto added = [&](const std::complex<double>& change) {
+    const Phasor<double> s = phasor(change);
+    const Phasor<double> result = spread * timesI(s - conjugate(s) * image);
+    return std::complex<double>(result.re, result.im);
+  };
+  return {added(after.x() - before.x()), added(after.y() - before.y())};
 }
 
 AveragedModel::AveragedModel(const DeviceKnowledge& device)
@@ -53,53 +41,50 @@ OrbitRates AveragedModel::rates(const Orbit& orbit, const DeviceParameters& devi
   const double b = orbit.b;
   const double frequency = input.reference_frequency;
   const double detuning = 0.5 * (angular_frequency_ * angular_frequency_ / frequency - frequency);
-  const double mu_along =
-      dynamics.coupling * (device.mu1 * dynamics.cosine + device.mu2 * dynamics.sine);
-  const double gamma_across =
-      decay_rate_ * (device.gamma2 * dynamics.cosine - device.gamma1 * dynamics.sine);
+  const double k2_mc = dynamics.k2 * (device.mu1 * dynamics.c + device.mu2 * dynamics.s);
+  const double d_gs = decay_rate_ * (device.gamma2 * dynamics.c - device.gamma1 * dynamics.s);
 
   // phi' a + theta' b and phi' b + theta' a: the rates at which the envelope turns, in pattern
-  // axes.
-  const double along = (detuning + mu_along) * a + (gamma_across - input.rotation_rate) * b -
-                       device.drive_gain * dynamics.along_real;
-  const double across = (detuning - mu_along) * b - (gamma_across + input.rotation_rate) * a +
-                        device.drive_gain * dynamics.across_imaginary;
+  // axes (docs/derivation.md, section 4).
+  const double r1 = (detuning + k2_mc) * a + (d_gs - input.rotation_rate) * b -
+                    device.drive_gain * dynamics.f1.re;
+  const double r2 = (detuning - k2_mc) * b - (d_gs + input.rotation_rate) * a +
+                    device.drive_gain * dynamics.f2.im;
   const double difference = a * a - b * b;
 
-  const AxesRatePairs of_axes(dynamics, device);
-  const TwoLanes axes = of_axes.rate(TwoLanes{a, b});
+  const Vector2 axes = AxesEquation(dynamics, device).rate(Vector2{a, b});
   OrbitRates rates;
-  rates.a = axes[0];                                    // (16)
-  rates.b = axes[1];                                    // (17)
-  rates.theta = (a * across - b * along) / difference;  // (18)
-  rates.phi = (a * along - b * across) / difference;    // (19)
+  rates.a = axes[0];                             // (16)
+  rates.b = axes[1];                             // (17)
+  rates.theta = (a * r2 - b * r1) / difference;  // (18)
+  rates.phi = (a * r1 - b * r2) / difference;    // (19)
   return rates;
 }
 
 AxesRates AveragedModel::axesRates(const Orbit& orbit, const DeviceParameters& device,
                                    const AveragedInput& input) const {
   const AxesDynamics<double> dynamics = dynamicsAt(*this, orbit, input);
-  const AxesRatePairs rates(dynamics, device);
-  const TwoLanes axes = {orbit.a, orbit.b};
+  const AxesEquation equation(dynamics, device);
+  const Vector2 axes = {orbit.a, orbit.b};
   AxesRates result;
-  result.rate = vectorOf(rates.rate(axes));
-  result.by_axes = matrixOf(rates.by_axes);
-  result.by_angles = matrixOf(rates.byAngles(axes));
+  result.rate = eigen(equation.rate(axes));
+  result.by_axes = eigen(equation.m);
+  result.by_angles = eigen(equation.byAngles(axes));
   result.by_parameters =
-      rates.byParameters(rates.byGamma(axes), rates.byMu(axes), rates.force).matrix();
+      eigen(equation.byParameters(equation.byGamma(axes), equation.byMu(axes), equation.f));
   return result;
 }
 
 AxesStep AveragedModel::axesStep(const Orbit& orbit, const DeviceParameters& device,
                                  const AveragedInput& input, double duration) const {
   const AxesDynamics<double> dynamics = dynamicsAt(*this, orbit, input);
-  const AxesStepPairs pairs =
-      AxesRatePairs(dynamics, device).step(TwoLanes{orbit.a, orbit.b}, duration);
+  const AxesStepResult taken =
+      AxesEquation(dynamics, device).step(Vector2{orbit.a, orbit.b}, duration);
   AxesStep step;
-  step.axes = vectorOf(pairs.axes);
-  step.by_axes = matrixOf(pairs.by_axes);
-  step.rate_by_angles = matrixOf(pairs.rate_by_angles);
-  step.by_parameters = pairs.by_parameters.matrix();
+  step.axes = eigen(taken.axes);
+  step.by_axes = eigen(taken.by_axes);
+  step.rate_by_angles = eigen(taken.rate_by_angles);
+  step.by_parameters = eigen(taken.by_parameters);
   return step;
 }
 

@@ -2,6 +2,10 @@
 
 namespace cvg {
 
+std::int64_t ExtendedParameters::periodBlocks(const ConverterParameters& converter) const {
+  return converter.wholeBlocks(update_period, "extended/update_period");
+}
+
 void ExtendedParameters::declare(ParameterTable& table) {
   const Range order = Range::between(1.0, 16.0);
   const Range walk = Range::atLeast(0.0);

@@ -20,8 +20,8 @@ Vector someVariances() {
 const Vector kFirstRow = (Vector() << 3.0, -4.0, 2e3, 1e3, 2e-5).finished();
 const Vector kSecondRow = (Vector() << 1.0, 5.0, -4e3, 2e3, -1e-5).finished();
 
-ParameterRows rowsOf(const Vector& first, const Vector& second) {
-  return {ParameterLanes(first), ParameterLanes(second)};
+Matrix2x5 rowsOf(const Vector& first, const Vector& second) {
+  return {Vector5(first), Vector5(second)};
 }
 
 /// Relative to the standard deviations.
@@ -31,7 +31,7 @@ double difference(const Full& covariance, const Full& expected) {
   return (scale.asDiagonal() * (covariance - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff();
 }
 
-const Square kNoise = {TwoLanes{0.01, 0.004}, TwoLanes{0.004, 0.02}};
+const Matrix2 kNoise = {Vector2{0.01, 0.004}, Vector2{0.004, 0.02}};
 
 TEST(FactoredCovariance, MeasuresAsFullMatricesDo) {
   FactoredCovariance factored(someVariances());
@@ -42,7 +42,7 @@ TEST(FactoredCovariance, MeasuresAsFullMatricesDo) {
     rows(0, n) *= 1.7;  // other directions each time
     FactoredCovariance next;
     const FactoredCovariance::Outcome outcome =
-        factored.measure(rowsOf(rows.row(0), rows.row(1)), kNoise, TwoLanes{0.3, -0.2}, next);
+        factored.measure(rowsOf(rows.row(0), rows.row(1)), kNoise, Vector2{0.3, -0.2}, next);
 
     Eigen::Matrix2d noise;
     noise << 0.01, 0.004, 0.004, 0.02;
@@ -52,7 +52,7 @@ TEST(FactoredCovariance, MeasuresAsFullMatricesDo) {
     const Vector gained = gain * innovation;
     full -= (gain * expected * gain.transpose()).eval();
 
-    const Square& covariance = outcome.innovation_covariance;
+    const Matrix2& covariance = outcome.innovation_covariance;
     const double scale = 1e-12 * expected.trace();
     EXPECT_NEAR(covariance.first[0], expected(0, 0), scale);
     EXPECT_NEAR(covariance.first[1], expected(1, 0), scale);
@@ -62,9 +62,9 @@ TEST(FactoredCovariance, MeasuresAsFullMatricesDo) {
     EXPECT_NEAR(outcome.normalised_innovation_squared, nis, 1e-10 * nis);
     ASSERT_LT(difference<Matrix>(next.matrix(), full), 1e-10) << n;
     for (int k = 0; k < 5; ++k) {
-      EXPECT_NEAR(outcome.gained.vector()[k], gained[k], 1e-10 * std::sqrt(full(k, k)))
+      EXPECT_NEAR(eigen(outcome.gained)[k], gained[k], 1e-10 * std::sqrt(full(k, k)))
           << n << " " << k;
-      EXPECT_NEAR(next.variance().vector()[k], full(k, k), 1e-10 * full(k, k));
+      EXPECT_NEAR(eigen(next.variance())[k], full(k, k), 1e-10 * full(k, k));
     }
     factored = next;
   }
@@ -75,21 +75,21 @@ TEST(FactoredCovariance, MeasuresAsFullMatricesDo) {
 TEST(FactoredCovariance, AddsNoiseThatDependentQuantitiesDoNotShare) {
   FactoredCovariance factored;
   FactoredCovariance(someVariances())
-      .measure(rowsOf(kFirstRow, kSecondRow), kNoise, TwoLanes{}, factored);
-  ParameterRows regression = rowsOf(kFirstRow, -2.0 * kSecondRow);
+      .measure(rowsOf(kFirstRow, kSecondRow), kNoise, Vector2{}, factored);
+  Matrix2x5 regression = rowsOf(kFirstRow, -2.0 * kSecondRow);
   Eigen::Matrix2d conditional;
   conditional << 0.05, 0.02, 0.02, 0.04;
   using Full = Eigen::Matrix<double, 7, 7>;
   const auto fullOf = [&] {
     Eigen::Matrix<double, 2, 5> slope;
-    slope << regression.first.vector().transpose(), regression.second.vector().transpose();
+    slope << eigen(regression.first).transpose(), eigen(regression.second).transpose();
     Full full;
     full << conditional + slope * factored.matrix() * slope.transpose(), slope * factored.matrix(),
         (slope * factored.matrix()).transpose(), factored.matrix();
     return full;
   };
   Full expected = fullOf();
-  const TwoLanes variance = factored.variance(regression);
+  const Vector2 variance = factored.variance(regression);
   EXPECT_NEAR(variance[0] + conditional(0, 0), expected(0, 0), 1e-12 * expected(0, 0));
   EXPECT_NEAR(variance[1] + conditional(1, 1), expected(1, 1), 1e-12 * expected(1, 1));
 
@@ -109,7 +109,7 @@ TEST(FactoredCovariance, AddsNoiseThatDependentQuantitiesDoNotShare) {
 
 TEST(FactoredCovariance, AddsNoiseToWhatIsKnownExactly) {
   FactoredCovariance factored(Vector::Zero());
-  ParameterRows regression;
+  Matrix2x5 regression;
   factored.add(4.0, Vector::Unit(2), regression);
   EXPECT_EQ(factored.matrix(), Matrix(4.0 * Vector::Unit(2) * Vector::Unit(2).transpose()));
 }
@@ -121,10 +121,10 @@ TEST(FactoredCovariance, StaysPositiveHoweverPreciseTheMeasurement) {
     Vector row = kFirstRow;
     row[n % 5] *= 3.0;
     FactoredCovariance next;
-    factored.measure(rowsOf(row, kSecondRow), diagonal(1e-24, 1e-24), TwoLanes{}, next);
+    factored.measure(rowsOf(row, kSecondRow), Matrix2::diagonal(1e-24, 1e-24), Vector2{}, next);
     factored = next;
     ASSERT_TRUE(std::isfinite(factored.sum()));
-    for (int k = 0; k < 5; ++k) ASSERT_GT(factored.variance().vector()[k], 0.0) << n << " " << k;
+    for (int k = 0; k < 5; ++k) ASSERT_GT(eigen(factored.variance())[k], 0.0) << n << " " << k;
   }
 }
 

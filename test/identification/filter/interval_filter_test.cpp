@@ -10,67 +10,31 @@
 #include <vector>
 
 #include "identification/averaged_loop.h"
+#include "identification/recorded_loop.h"
 #include "ring_gyro/common/angle.h"
 #include "ring_gyro/identification/filter/paper_filter.h"
 
 namespace cvg {
 namespace {
 
-constexpr double kFrequency = 14e3;
-constexpr double kQuality = 22000.0;
-constexpr double kStep = 1e-3;
+constexpr double kStep = RecordedLoop::kStep;
+const DeviceKnowledge kKnown = RecordedLoop::known();
 const DeviceParameters kDevice = AveragedLoop::Options{}.device;
 const ParameterVector kNoWalk = ParameterVector::Zero();
 
-/// One step of the filter with the sample at its end.
-struct Record {
-  double theta;
-  double phi;
-  AveragedInput input;
-  Eigen::Vector2d measured;
-};
-
-std::vector<Record> recordLoop(int steps, double noise_density, unsigned seed = 1) {
-  AveragedLoop::Options options;
-  options.noise_density = noise_density;
-  options.seed = seed;
-  AveragedLoop loop(options);
-  std::vector<Record> records;
-  Orbit before = loop.orbit();
-  for (int n = 0; n < steps; ++n) {
-    const AveragedLoop::Output output = loop.step();
-    const Orbit& now = output.elements.orbit;
-    Record record;
-    record.theta = 0.5 * (before.theta + now.theta);
-    record.phi = 0.5 * (before.phi + now.phi);
-    record.input.drive = output.gains.drive.total();
-    record.input.reference_frequency = output.gains.reference_frequency;
-    record.input.pattern_rate = (now.theta - before.theta) / kStep;
-    record.measured = {now.a, now.b};
-    before = now;
-    records.push_back(record);
-  }
-  return records;
+std::vector<RecordedStep> recordLoop(std::size_t steps, double noise_density, unsigned seed = 1) {
+  return RecordedLoop(noise_density, seed).next(steps);
 }
 
 IntervalNoise noiseOf(double density, double process) {
-  IntervalNoise noise;
-  noise.sample_variance = density * density / kStep;
-  noise.axes_density = process * process;
-  noise.angle_density = density * density;
-  return noise;
+  return RecordedLoop::noise(density, process);
 }
 
-StateVector startValue() {
-  StateVector value;
-  value << 1.0, 0.0, 0.0, 0.0, -25e-6, -45e-6, 1.05e5;
-  return value;
-}
+StateVector startValue() { return RecordedLoop::startValue(); }
+StateVector startSigma() { return RecordedLoop::startSigma(); }
 
-StateVector startSigma() {
-  StateVector sigma;
-  sigma << 1e-3, 1e-3, 0.05, 0.05, 1e-5, 1e-5, 1e4;
-  return sigma;
+IntervalFilter filterWith(const IntervalNoise& noise) {
+  return IntervalFilter(AveragedModel(kKnown), noise, kStep);
 }
 
 /// The paper's filter on means: its seven states and the running sums of a and b, which are two
@@ -82,14 +46,14 @@ class MeanReference {
   using Matrix = Eigen::Matrix<Real, 9, 9>;
 
   MeanReference(const IntervalNoise& noise, const StateVector& value, const StateVector& sigma)
-      : filter_({kFrequency, kQuality}, noise, value, sigma), noise_(noise) {
+      : filter_(kKnown, noise, value, sigma), noise_(noise) {
     value_.setZero();
     value_.head<7>() = filter_.value();
     covariance_.setZero();
     covariance_.topLeftCorner<7, 7>() = filter_.covariance();
   }
 
-  void step(const Record& record) {
+  void step(const RecordedStep& record) {
     const PaperFilter<Real>::Step f =
         filter_.step(value_.head<7>(), record.theta, record.phi, record.input, kStep);
     value_.head<7>() = f.after;
@@ -142,33 +106,13 @@ class MeanReference {
   int samples_ = 0;
 };
 
-AveragedStep<double> stepOf(const Record& record) {
-  return averagedStep(record.theta, record.phi, record.input);
+void take(IntervalFilter& filter, const RecordedStep& record) {
+  filter.step(averagedStep(record.theta, record.phi, record.input), record.measured);
 }
 
-/// Hands the filter `count` of these records in one go, with what must not matter behind them.
-void takeSteps(IntervalFilter& filter, const Record* records, int count) {
-  AveragedStep<Lanes> steps;
-  Lanes a, b;
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    const Record& record = records[std::min(k, static_cast<std::size_t>(count - 1))];
-    const AveragedStep<double> step = stepOf(record);
-    steps.theta[k] = step.theta;
-    steps.phi[k] = step.phi;
-    steps.pattern_rate[k] = step.pattern_rate;
-    steps.reference_frequency[k] = step.reference_frequency;
-    steps.x_real[k] = step.x_real;
-    steps.x_imaginary[k] = step.x_imaginary;
-    steps.y_real[k] = step.y_real;
-    steps.y_imaginary[k] = step.y_imaginary;
-    steps.x_step_real[k] = steps.x_step_imaginary[k] = 0.0;
-    steps.y_step_real[k] = steps.y_step_imaginary[k] = 0.0;
-    steps.image_angle[k] = 0.0;
-    const bool given = k < static_cast<std::size_t>(count);
-    a[k] = given ? record.measured[0] : 1e6;
-    b[k] = given ? record.measured[1] : 1e6;
-  }
-  filter.steps(steps, count, kStep, a, b);
+const IntervalUpdate& takeAndUpdate(IntervalFilter& filter, const RecordedStep& record) {
+  return filter.stepAndUpdate(averagedStep(record.theta, record.phi, record.input),
+                              record.measured);
 }
 
 /// How far the filter has been off the reference at the end of an interval.
@@ -196,19 +140,19 @@ TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
     for (const bool in_one : {false, true}) {
       if (in_one && period != 1) continue;
       SCOPED_TRACE(std::to_string(period) + (in_one ? ", in one" : ""));
-      const std::vector<Record> records = recordLoop(30000, 5e-6);
+      const std::vector<RecordedStep> records = recordLoop(30000, 5e-6);
       const IntervalNoise noise = noiseOf(5e-6, 2e-6);
-      IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noise);
+      IntervalFilter filter = filterWith(noise);
       filter.initialise(startValue(), startSigma(), kNoWalk);
       MeanReference reference(noise, startValue(), startSigma());
       WorstErrors worst;
       for (std::size_t n = 0; n < records.size(); ++n) {
         reference.step(records[n]);
         if (in_one) {
-          ASSERT_TRUE(
-              filter.stepAndUpdate(stepOf(records[n]), kStep, records[n].measured).accepted);
+          ASSERT_TRUE(takeAndUpdate(filter, records[n]).accepted);
         } else {
-          filter.step(stepOf(records[n]), kStep, records[n].measured);
+          take(filter, records[n]);
+          filter.settle();  // each step by itself, derivatives too
           if ((n + 1) % static_cast<std::size_t>(period) != 0) continue;
           ASSERT_TRUE(filter.update().accepted);
         }
@@ -223,10 +167,10 @@ TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
 
 // Each step is predicted by itself, but the derivatives are those of up to 8 steps in one: the
 // same estimates but for weights that are off by less than a thousandth.
-TEST(IntervalFilter, TakesSeveralStepsInOneGo) {
-  const std::vector<Record> records = recordLoop(30000, 5e-6);
+TEST(IntervalFilter, TakesStepsSideBySide) {
+  const std::vector<RecordedStep> records = recordLoop(30000, 5e-6);
   const IntervalNoise noise = noiseOf(5e-6, 2e-6);
-  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noise);
+  IntervalFilter filter = filterWith(noise);
   StateVector sigma;
   sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-8, 1e-8, 100.0;
   StateVector value;
@@ -235,10 +179,10 @@ TEST(IntervalFilter, TakesSeveralStepsInOneGo) {
   MeanReference reference(noise, value, sigma);
   WorstErrors worst;
   for (std::size_t n = 0; n < records.size(); n += 100) {
-    for (std::size_t k = 0; k < 100; k += kLanes) {
-      takeSteps(filter, &records[n + k], static_cast<int>(std::min<std::size_t>(kLanes, 100 - k)));
+    for (std::size_t k = 0; k < 100; ++k) {
+      take(filter, records[n + k]);
+      reference.step(records[n + k]);
     }
-    for (std::size_t k = 0; k < 100; ++k) reference.step(records[n + k]);
     ASSERT_TRUE(filter.update().accepted);
     worst.add(filter, reference, static_cast<double>(reference.update()));
   }
@@ -253,29 +197,23 @@ TEST(IntervalFilter, TakesSeveralStepsInOneGo) {
 TEST(IntervalFilter, ProcessNoiseEntersMeanAndEndAsItShould) {
   const double density = 1e-3;
   const double process = 0.5;
-  for (const int run : {1, 2, 7, 100, -1, -2, -7, -100}) {
+  for (const int run : {1, 2, 7, 31, 32, 33, 100, -1, -2, -7, -100}) {
     SCOPED_TRACE(run);
     const int samples = std::abs(run);
-    const bool in_one_go = run < 0;
+    const bool each_by_itself = run < 0;
     IntervalNoise noise;
     noise.sample_variance = density * density / kStep;
     noise.axes_density = process * process;
-    IntervalFilter filter(AveragedModel({kFrequency, 1e18}), noise);
+    IntervalFilter filter(AveragedModel({kKnown.natural_frequency, 1e18}), noise, kStep);
     StateVector value = StateVector::Zero();
     value[kA] = 1.0;
     value[kDriveGain] = 1e5;
     filter.initialise(value, StateVector::Zero(), kNoWalk);
     AveragedInput input;
-    input.reference_frequency = kTwoPi * kFrequency;
-    if (in_one_go) {
-      const std::vector<Record> records(kLanes, Record{0.3, -kPi / 2, input, {1.5, 0.25}});
-      for (int n = 0; n < samples; n += static_cast<int>(kLanes)) {
-        takeSteps(filter, records.data(), std::min(static_cast<int>(kLanes), samples - n));
-      }
-    } else {
-      for (int n = 0; n < samples; ++n) {
-        filter.step(averagedStep(0.3, -kPi / 2, input), kStep, {1.5, 0.25});
-      }
+    input.reference_frequency = kTwoPi * kKnown.natural_frequency;
+    for (int n = 0; n < samples; ++n) {
+      filter.step(averagedStep(0.3, -kPi / 2, input), {1.5, 0.25});
+      if (each_by_itself) filter.settle();
     }
     const IntervalUpdate update = filter.update();
     const double n = samples;
@@ -294,16 +232,16 @@ TEST(IntervalFilter, ProcessNoiseEntersMeanAndEndAsItShould) {
 }
 
 TEST(IntervalFilter, ParametersWalk) {
-  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(1.0, 0.0));
+  IntervalFilter filter = filterWith(noiseOf(1.0, 0.0));
   ParameterVector walk;
   walk << 1e-3, 2e-3, 3e-7, 4e-7, 50.0;
   StateVector sigma = StateVector::Zero();
   sigma.head<2>().setConstant(1e-9);
   filter.initialise(startValue(), sigma, walk);
-  const std::vector<Record> records = recordLoop(100, 0.0);
+  const std::vector<RecordedStep> records = recordLoop(100, 0.0);
   for (int period = 0; period < 4; ++period) {
-    for (const Record& record : records) {
-      filter.step(stepOf(record), kStep, record.measured);
+    for (const RecordedStep& record : records) {
+      take(filter, record);
     }
     ASSERT_TRUE(filter.update().accepted);
   }
@@ -317,18 +255,17 @@ TEST(IntervalFilter, ParametersWalk) {
 // One angle shows two combinations of the five parameters. The others must not become uncertain,
 // however long the pattern rests there.
 TEST(IntervalFilter, ForgetsOnlyWhatNewerDataShow) {
-  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 2e-6));
+  IntervalFilter filter = filterWith(noiseOf(5e-6, 2e-6));
   StateVector sigma;
   sigma << 1e-6, 1e-6, 1e-5, 1e-5, 1e-9, 1e-9, 1.0;
   filter.initialise(startValue(), sigma, kNoWalk, 5.0);
-  const std::vector<Record> records = recordLoop(100, 0.0);
+  const std::vector<RecordedStep> records = recordLoop(100, 0.0);
   const double theta = 0.3;
   AveragedInput input = records.front().input;
   StateVector before;
   for (int period = 0; period < 3000; ++period) {
     for (int block = 0; block < 100; ++block) {
-      filter.step(averagedStep(theta, -0.5 * 3.14159265358979, input), kStep,
-                  filter.value().head<2>());
+      filter.step(averagedStep(theta, -0.5 * 3.14159265358979, input), filter.value().head<2>());
     }
     ASSERT_TRUE(filter.update().accepted);
     if (period == 99) before = filter.covariance().diagonal();
@@ -341,10 +278,10 @@ TEST(IntervalFilter, ForgetsOnlyWhatNewerDataShow) {
 }
 
 TEST(IntervalFilter, RestartedAxesAreCorrelatedWithNothing) {
-  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 2e-6));
+  IntervalFilter filter = filterWith(noiseOf(5e-6, 2e-6));
   filter.initialise(startValue(), startSigma(), kNoWalk);
-  for (const Record& record : recordLoop(100, 5e-6)) {
-    filter.step(stepOf(record), kStep, record.measured);
+  for (const RecordedStep& record : recordLoop(100, 5e-6)) {
+    take(filter, record);
   }
   filter.update();
   const StateMatrix before = filter.covariance();
@@ -359,33 +296,33 @@ TEST(IntervalFilter, RestartedAxesAreCorrelatedWithNothing) {
 }
 
 TEST(IntervalFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
-  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 2e-6));
+  IntervalFilter filter = filterWith(noiseOf(5e-6, 2e-6));
   filter.initialise(startValue(), startSigma(), kNoWalk);
   EXPECT_FALSE(filter.update().accepted);  // no sample at all
-  const std::vector<Record> records = recordLoop(10, 0.0);
-  filter.step(stepOf(records[0]), kStep, {std::nan(""), 0.0});
+  const std::vector<RecordedStep> records = recordLoop(10, 0.0);
+  filter.step(averagedStep(records[0].theta, records[0].phi, records[0].input),
+              {std::nan(""), 0.0});
   EXPECT_FALSE(filter.update().accepted);
-  filter.step(averagedStep(std::nan(""), records[0].phi, records[0].input), kStep,
-              records[0].measured);
+  filter.step(averagedStep(std::nan(""), records[0].phi, records[0].input), records[0].measured);
   EXPECT_FALSE(filter.update().accepted);
   EXPECT_EQ(filter.value(), startValue());
   EXPECT_TRUE(
       filter.covariance().isApprox(StateMatrix(startSigma().cwiseAbs2().asDiagonal()), 1e-15));
-  filter.step(stepOf(records[0]), kStep, records[0].measured);
+  take(filter, records[0]);
   EXPECT_TRUE(filter.update().accepted);
 }
 
 TEST(IntervalFilter, CovarianceStaysSymmetricAndPositiveOver300000Updates) {
-  const std::vector<Record> records = recordLoop(30000, 5e-6);
-  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 0.0));
+  const std::vector<RecordedStep> records = recordLoop(30000, 5e-6);
+  IntervalFilter filter = filterWith(noiseOf(5e-6, 0.0));
   StateVector sigma = startSigma();
   sigma[kA] = sigma[kB] = 1.0;  // as far from the end as it may be
   filter.initialise(startValue(), sigma, kNoWalk);
   for (int n = 0; n < 300000; ++n) {
-    const Record& record = records[static_cast<std::size_t>(n) % records.size()];
+    const RecordedStep& record = records[static_cast<std::size_t>(n) % records.size()];
     // 30 s are three quarters of a turn of the pattern: restart where the record does.
     if (n % 30000 == 0) filter.restartAxes(record.measured, 1.0);
-    filter.step(stepOf(record), kStep, record.measured);
+    take(filter, record);
     ASSERT_TRUE(filter.update().accepted) << n;
     if (n % 100 != 0) continue;
     const StateMatrix covariance = filter.covariance();
@@ -402,15 +339,15 @@ TEST(IntervalFilter, InnovationsAreAsLargeAsTheirCovarianceSays) {
   double sum = 0.0;
   int updates = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {
-    IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 0.0));
+    IntervalFilter filter = filterWith(noiseOf(5e-6, 0.0));
     // Near the truth: what is tested is the noise, not the way there.
     StateVector value, sigma;
     value << 1.0, 0.0, 0.0201, 0.0301, -30.01e-6, -40.01e-6, 1.1e5;
     sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-8, 1e-8, 100.0;
     filter.initialise(value, sigma, kNoWalk);
-    const std::vector<Record> records = recordLoop(30000, 5e-6, seed);
+    const std::vector<RecordedStep> records = recordLoop(30000, 5e-6, seed);
     for (std::size_t n = 0; n < records.size(); ++n) {
-      filter.step(stepOf(records[n]), kStep, records[n].measured);
+      take(filter, records[n]);
       if ((n + 1) % 100 != 0) continue;
       sum += filter.update().normalised_innovation_squared;
       ++updates;
@@ -419,19 +356,19 @@ TEST(IntervalFilter, InnovationsAreAsLargeAsTheirCovarianceSays) {
   EXPECT_NEAR(sum / updates, 2.0, 3.0 * 2.0 / std::sqrt(updates));
 }
 
-TEST(IntervalFilter, RefusesNoiseThatIsNone) {
+TEST(IntervalFilter, RefusesNoiseOfNegativeVariance) {
   IntervalNoise noise = noiseOf(5e-6, 2e-6);
   noise.sample_variance = -1.0;
   for (const bool in_one : {false, true}) {
-    IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noise);
+    IntervalFilter filter = filterWith(noise);
     filter.initialise(startValue(), startSigma(), kNoWalk);
     const StateVector value = filter.value();
     const StateMatrix covariance = filter.covariance();
-    const Record record = recordLoop(1, 5e-6).front();
+    const RecordedStep record = recordLoop(1, 5e-6).front();
     if (in_one) {
-      EXPECT_FALSE(filter.stepAndUpdate(stepOf(record), kStep, record.measured).accepted);
+      EXPECT_FALSE(takeAndUpdate(filter, record).accepted);
     } else {
-      filter.step(stepOf(record), kStep, record.measured);
+      take(filter, record);
       EXPECT_FALSE(filter.update().accepted);
     }
     EXPECT_EQ(filter.value(), value);
@@ -440,16 +377,16 @@ TEST(IntervalFilter, RefusesNoiseThatIsNone) {
 }
 
 TEST(IntervalFilter, KnowsHowFarItIsLinear) {
-  IntervalFilter filter(AveragedModel({kFrequency, kQuality}), noiseOf(5e-6, 2e-6));
-  const double w = kTwoPi * kFrequency;
+  IntervalFilter filter = filterWith(noiseOf(5e-6, 2e-6));
+  const double w = kTwoPi * kKnown.natural_frequency;
   StateVector sigma;
   sigma << 1e-3, 1e-3, 0.1, 0.1, 1e-4, 1e-4, 5e4;
   filter.initialise(startValue(), sigma, kNoWalk);
-  EXPECT_FALSE(filter.isLinearOver(0.1, 100, w));
+  EXPECT_FALSE(filter.isLinearOver(100, w));
   sigma << 1e-5, 1e-5, 1e-3, 1e-3, 1e-8, 1e-8, 100.0;
   filter.initialise(startValue(), sigma, kNoWalk);
-  EXPECT_TRUE(filter.isLinearOver(0.1, 100, w));
-  EXPECT_FALSE(filter.isLinearOver(10.0, 10000, w));
+  EXPECT_TRUE(filter.isLinearOver(100, w));
+  EXPECT_FALSE(filter.isLinearOver(10000, w));
 }
 
 }  // namespace

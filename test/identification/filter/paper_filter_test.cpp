@@ -7,6 +7,7 @@
 #include <complex>
 
 #include "identification/averaged_loop.h"
+#include "identification/recorded_loop.h"
 #include "ring_gyro/common/angle.h"
 
 namespace cvg {
@@ -15,8 +16,8 @@ namespace {
 using Filter = PaperFilter<long double>;
 using Real = long double;
 
-constexpr double kStep = 1e-3;
-const DeviceKnowledge kKnown = {14e3, 22000.0};
+constexpr double kStep = RecordedLoop::kStep;
+const DeviceKnowledge kKnown = RecordedLoop::known();
 
 StateVector someValue() {
   StateVector value;
@@ -117,30 +118,13 @@ TEST(PaperFilter, NoiseOfTheAnglesActsThroughTheSlopes) {
 }
 
 TEST(PaperFilter, FindsTheDevice) {
-  AveragedLoop::Options options;
-  options.noise_density = 5e-6;
-  AveragedLoop loop(options);
-  IntervalNoise noise;
-  noise.sample_variance = 5e-6 * 5e-6 / kStep;
-  noise.axes_density = 4e-12;
-  noise.angle_density = 5e-6 * 5e-6;
-  StateVector value, sigma;
-  value << 1.0, 0.0, 0.0, 0.0, -25e-6, -45e-6, 1.05e5;
-  sigma << 1e-3, 1e-3, 0.05, 0.05, 1e-5, 1e-5, 1e4;
-  PaperFilter<double> filter(options.known, noise, value, sigma);
-  Orbit before = loop.orbit();
-  for (int n = 0; n < 30000; ++n) {
-    const AveragedLoop::Output output = loop.step();
-    const Orbit& now = output.elements.orbit;
-    AveragedInput input;
-    input.drive = output.gains.drive.total();
-    input.reference_frequency = output.gains.reference_frequency;
-    input.pattern_rate = (now.theta - before.theta) / kStep;
-    filter.predict(0.5 * (before.theta + now.theta), 0.5 * (before.phi + now.phi), input, kStep);
-    filter.correct({now.a, now.b});
-    before = now;
+  PaperFilter<double> filter(RecordedLoop::known(), RecordedLoop::noise(5e-6, 2e-6),
+                             RecordedLoop::startValue(), RecordedLoop::startSigma());
+  for (const RecordedStep& record : RecordedLoop(5e-6).next(30000)) {
+    filter.predict(record.theta, record.phi, record.input, kStep);
+    filter.correct(record.measured);
   }
-  const DeviceParameters& device = options.device;
+  const DeviceParameters device = AveragedLoop::Options().device;
   const double truth[] = {device.gamma1, device.gamma2, device.mu1, device.mu2, device.drive_gain};
   for (int k = 0; k < 5; ++k) {
     EXPECT_NEAR(filter.value()[k + 2], truth[k], 4.0 * filter.sigma(k + 2)) << k;

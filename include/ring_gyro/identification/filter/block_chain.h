@@ -1,17 +1,15 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
-#include "ring_gyro/common/lanes.h"
 #include "ring_gyro/identification/filter/block_use.h"
 #include "ring_gyro/identification/model/averaged_step.h"
 #include "ring_gyro/identification/model/envelope_input.h"
 #include "ring_gyro/signals/block_stamp.h"
 #include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/envelope.h"
 #include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
@@ -25,7 +23,7 @@ struct ChainSegment {
 
 /// Pairs measured elements with the inputs that acted between them: elements are valid a group
 /// delay before their block's end, inputs come from the blocks they acted in, also where the delay
-/// is not whole blocks.
+/// is not a whole number of blocks. For that it remembers the blocks of the longest delay.
 ///
 /// A block can be used when its status says so, its numbers are finite, its stamp follows the one
 /// before by exactly one block, and all of the demodulator's memory (twice the group delay) holds
@@ -34,73 +32,51 @@ class BlockChain {
  public:
   struct Block {
     Orbit orbit;
-    Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();
-    double reference_phase = 0.0;  ///< at its start [rad]
-    double reference_frequency = 0.0;
-    double rotation_rate = 0.0;
+    Envelope drive = Envelope::Zero();  ///< total [V]
+    double reference_phase = 0.0;       ///< of the NCO at its start [rad]
+    double reference_frequency = 0.0;   ///< [rad/s]
+    double rotation_rate = 0.0;         ///< k Om, as far as known [rad/s]
   };
 
-  /// How many blocks, the last with them, steps can be taken to; the longest delay is a block less,
-  /// with a longer one no block can be used.
-  static constexpr std::size_t kReach = 32;
+  /// With a longer group delay no block can be used [blocks].
+  static constexpr std::size_t kLongestDelay = 31;
 
   explicit BlockChain(std::int64_t block_duration_ns);
 
-  /// Remembers the block when its own numbers can be used. kUsable when everything that its
-  /// elements depend on can be too, else why it cannot be used.
+  /// The next block, remembered when its own numbers can be used. kUsable when everything that its
+  /// elements depend on can be used too, else the reason why it cannot.
   BlockUse admit(const OrbitalElements& elements, const ControlGains& gains, double rotation_rate);
-  /// The next block follows nothing.
-  void reset() { usable_run_ = 0; }
 
-  Block block(std::uint64_t sequence) const;
+  // Of the block that was admitted last, if it was usable.
+
+  const Block& last() const { return back(0); }
+  /// Whether its own numbers and those of the block directly before it can be used: only then is
+  /// there a way from that one.
+  bool follows() const { return usable_run_ > 1; }
+  const Block& before() const { return back(1); }
   double blockDuration() const { return block_duration_; }  ///< [s]
 
-  /// From where the elements of the block before `sequence` are valid to where its own are.
-  /// Segments of no duration are to be skipped.
-  std::array<ChainSegment, 2> segments(std::uint64_t sequence) const;
+  /// From where the elements of the block before are valid to where its own are. Segments of no
+  /// duration are to be skipped.
+  std::array<ChainSegment, 2> segments() const;
 
   /// The same way as one step, for a ring whose envelope decays at `decay_rate` [1/s].
-  void step(std::uint64_t sequence, double decay_rate, AveragedStep<double>& step) const;
-  /// Also the steps to the blocks that follow `sequence`, as far as there are any.
-  void steps(std::uint64_t sequence, double decay_rate, AveragedStep<Lanes>& steps) const;
-  /// Measured axes of `sequence`, or of it and the blocks that follow [V].
-  template <typename Real>
-  void axes(std::uint64_t sequence, Real& a, Real& b) const {
-    fetch(kMajor, sequence, a);
-    fetch(kMinor, sequence, b);
-  }
+  AveragedStep<double> step(double decay_rate) const;
 
  private:
-  // The step to the oldest block within reach needs what acted the longest delay before it.
-  static constexpr std::size_t kMemory = 2 * kReach;
-  // What later blocks need of a block, each kind of number by itself.
-  enum Kind {
-    kMajor,
-    kMinor,
-    kTheta,
-    kPhi,
-    kXReal,
-    kXImaginary,
-    kYReal,
-    kYImaginary,
-    kPhase,
-    kFrequency,
-    kRotation,
-    kKinds
-  };
+  // The last block, and before it what acted the longest delay ago; a power of 2.
+  static constexpr std::size_t kMemory = 64;
+  static_assert(kMemory >= kLongestDelay + 2 && (kMemory & (kMemory - 1)) == 0);
 
   bool setDelay(double group_delay, double duration);
-  template <typename Real>
-  void stepTo(std::uint64_t sequence, double decay_rate, AveragedStep<Real>& step) const;
-  template <typename Real>
-  void fetch(Kind kind, std::uint64_t sequence, Real& to) const {
-    std::memcpy(&to, &memory_[kind][sequence % kMemory], sizeof to);
+  /// The block that came `blocks` before the last one.
+  const Block& back(std::uint64_t blocks) const {
+    return blocks_[(last_stamp_.sequence - blocks) % kMemory];
   }
 
   std::int64_t block_duration_ns_;
   double block_duration_;
-  // A ring; its beginning stands once more behind its end, so that lanes need not be broken.
-  std::array<std::array<double, kMemory + kLanes>, kKinds> memory_;
+  std::array<Block, kMemory> blocks_;  // by sequence
   BlockStamp last_stamp_;
   double group_delay_ = -1.0;        // of the present run of usable blocks [s]
   std::uint64_t whole_delay_ = 0;    // blocks in it

@@ -72,12 +72,12 @@ class ExtendedIdentifier {
   std::int64_t periodBlocks() const { return periods_.periodBlocks(); }
 
  private:
-  void gather(std::uint64_t sequence);
-  void propagate(std::uint64_t sequence);
+  void gather();
+  void propagate();
   std::uint64_t updateBlocks() const;
   void breakChain();
-  bool setScale(std::uint64_t sequence);
-  void reconsider(std::uint64_t sequence);
+  bool setScale();
+  void reconsider();
   void start(const ExtendedVector& value, const ExtendedVector& sigma,
              const ExtendedVector& nominal);
   void startAgain();

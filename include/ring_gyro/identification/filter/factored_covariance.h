@@ -3,9 +3,8 @@
 #include <Eigen/Core>
 
 #include "ring_gyro/common/lanes.h"
-#include "ring_gyro/common/pairs.h"
+#include "ring_gyro/common/small_algebra.h"
 #include "ring_gyro/common/unrolled.h"
-#include "ring_gyro/identification/model/parameter_lanes.h"
 #include "ring_gyro/signals/parameter_vector.h"
 
 namespace cvg {
@@ -30,9 +29,9 @@ class FactoredCovariance {
 
   /// What two measurements brought about.
   struct Outcome {
-    Square innovation_covariance;  ///< noise and all
+    Matrix2 innovation_covariance;  ///< noise and all
     double normalised_innovation_squared;
-    ParameterLanes gained;  ///< by the parameters
+    Vector5 gained;  ///< by the parameters
   };
 
   /// Measures rows * parameters with these innovations and positive definite covariance `noise`,
@@ -40,7 +39,7 @@ class FactoredCovariance {
   /// first. Both go through the factors as they were, and what the first does to the second is
   /// added (in the coordinates of U it is one number a column): so the second does not wait until
   /// the first has been through the factors. `next`: the covariance after both, another object.
-  Outcome measure(const ParameterRows& rows, const Square& noise, const TwoLanes& innovation,
+  Outcome measure(const Matrix2x5& rows, const Matrix2& noise, const Vector2& innovation,
                   FactoredCovariance& next) const {
     const double first_noise = noise.first[0];
     const double shared = noise.second[0] / first_noise;
@@ -93,8 +92,8 @@ class FactoredCovariance {
       second_gathered += second_spread[j] * between;
     });
     const double cross = shared * first_variance + common[kSize];
-    return {{TwoLanes{first_variance, cross},
-             TwoLanes{cross, variance[kSize] + cross * cross / first_variance}},
+    return {{Vector2{first_variance, cross},
+             Vector2{cross, variance[kSize] + cross * cross / first_variance}},
             innovation[0] * first_share + second_innovation * second_share,
             {first_share * first_gathered + second_share * second_gathered,
              first_share * first_spread[4] + second_share * second_spread[4]}};
@@ -105,9 +104,9 @@ class FactoredCovariance {
   /// and the weight of the covariance weight f f' that they gain beside it.
   struct Gained {
     double weight;
-    TwoLanes factor;
+    Vector2 factor;
   };
-  Gained add(double weight, const ParameterVector& direction, ParameterRows& regression) {
+  Gained add(double weight, const ParameterVector& direction, Matrix2x5& regression) {
     Eigen::Matrix<double, 2, kSize> rows;
     Numbers first, second;
     timesUpper(regression.first, first);
@@ -131,13 +130,13 @@ class FactoredCovariance {
     for (int j = 0; j < kSize; ++j) {
       for (int i = 0; i < j; ++i) rows.col(j) -= column(j)[i] * rows.col(i);
     }
-    regression = {ParameterLanes(rows.row(0)), ParameterLanes(rows.row(1))};
-    return {weight, TwoLanes{row_shape[0], row_shape[1]}};
+    regression = {Vector5(rows.row(0)), Vector5(rows.row(1))};
+    return {weight, Vector2{row_shape[0], row_shape[1]}};
   }
 
   /// Variances of the two quantities regression * parameters.
-  TwoLanes variance(const ParameterRows& regression) const {
-    const auto of = [this](const ParameterLanes& row) {
+  Vector2 variance(const Matrix2x5& regression) const {
+    const auto of = [this](const Vector5& row) {
       Numbers through;
       timesUpper(row, through);
       double even = 0.0;
@@ -146,12 +145,12 @@ class FactoredCovariance {
           [&](auto j) { (j % 2 == 0 ? even : odd) += through[j] * (diagonal_[j] * through[j]); });
       return even + odd;
     };
-    return TwoLanes{of(regression.first), of(regression.second)};
+    return Vector2{of(regression.first), of(regression.second)};
   }
 
   /// Of the parameters: the diagonal of the covariance.
-  ParameterLanes variance() const {
-    ParameterLanes result(FourLanes{diagonal_[0], 0.0, 0.0, 0.0}, diagonal_[4]);
+  Vector5 variance() const {
+    Vector5 result(FourLanes{diagonal_[0], 0.0, 0.0, 0.0}, diagonal_[4]);
     unrolled<1, kSize>([&](auto j) { result.mismatch += column(j) * (diagonal_[j] * column(j)); });
     return result;
   }
@@ -191,7 +190,7 @@ class FactoredCovariance {
   }
 
   /// U' row.
-  void timesUpper(const ParameterLanes& row, Numbers& result) const {
+  void timesUpper(const Vector5& row, Numbers& result) const {
     const FourLanes& mismatch = row.mismatch;
     const Numbers numbers = {mismatch[0], mismatch[1], mismatch[2], mismatch[3], row.drive_gain};
     // A constant of its own type is no index of a vector; its value is.

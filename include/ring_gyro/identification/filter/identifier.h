@@ -82,8 +82,8 @@ class Identifier {
 
  private:
   void take(const Orbit& orbit, const ControlGains& gains);
-  void startPeriod(const Orbit& orbit, double reference_frequency);
-  void takeWaiting();
+  void startPeriod(double reference_frequency);
+  double restartSigma(double amplitude) const;
   void breakChain();
   void finishPeriod(const DampingCompensation& compensation);
   bool setScale();
@@ -99,13 +99,8 @@ class Identifier {
 
   BlockChain chain_;
   BlockUse last_use_ = BlockUse::kUsable;
-  // The last blocks that the filter has yet to take: many in one go, or one while each block is an
-  // update.
-  int waiting_ = 0;
-  int most_waiting_ = 1;
-
   bool scaled_ = false;     // ks has its scale, the filter runs
-  bool chained_ = false;    // the filter's a and b are those at the end of the last period
+  bool chained_ = false;    // the filter's a and b are those of the block before
   bool by_blocks_ = false;  // the present period is filtered block by block
   ParameterEstimate estimate_;
   FirstLookSum first_look_;  // of the present period, until the filter runs

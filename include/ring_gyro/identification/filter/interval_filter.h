@@ -2,13 +2,12 @@
 
 #include <Eigen/Core>
 
-#include "ring_gyro/common/lanes.h"
-#include "ring_gyro/common/pairs.h"
+#include "ring_gyro/common/small_algebra.h"
 #include "ring_gyro/identification/filter/factored_covariance.h"
+#include "ring_gyro/identification/filter/step_queue.h"
 #include "ring_gyro/identification/model/averaged_model.h"
 #include "ring_gyro/identification/model/averaged_step.h"
-#include "ring_gyro/identification/model/axes_dynamics.h"
-#include "ring_gyro/identification/model/parameter_lanes.h"
+#include "ring_gyro/identification/model/axes_equation.h"
 #include "ring_gyro/signals/parameter_estimate.h"
 
 namespace cvg {
@@ -33,20 +32,21 @@ struct IntervalUpdate {
 };
 
 /// Extended Kalman filter of (29) that takes the mean of a and b over an interval as one
-/// measurement.
+/// measurement. docs/filter.md derives it; PaperFilter is the same filter with full matrices.
 ///
 /// Within the interval it carries the predicted axes and their derivatives with respect to the
 /// state at the interval's start from step to step, so nothing is decimated and the covariance is
-/// touched once an interval. Parameters stay constant within it, so only the rows of a and b of the
+/// changed once an interval. Parameters stay constant within it, so only the rows of a and b of the
 /// transition differ from identity. Process noise enters the end state, the mean and their
 /// covariance exactly. An interval of one sample is an ordinary filter step.
 ///
 /// The covariance is kept as that of a and b given the parameters, and as the factored covariance
-/// of the parameters, which do not move: a step changes the former only, and no update can make a
-/// variance negative.
+/// of the parameters. Parameters do not move, so a step changes the former only, and no update can
+/// make a variance negative.
 class IntervalFilter {
  public:
-  IntervalFilter(const AveragedModel& model, const IntervalNoise& noise);
+  /// `step_duration`: of each step [s].
+  IntervalFilter(const AveragedModel& model, const IntervalNoise& noise, double step_duration);
 
   /// Forgets everything and starts an interval. value[kDriveGain], not zero, sets the scale of ks;
   /// `walk`: random walk of the parameters [unit of the parameter / sqrt(s)]. `memory_time`: after
@@ -57,28 +57,28 @@ class IntervalFilter {
   /// with nothing. Starts an interval.
   void restartAxes(const Eigen::Vector2d& axes, double sigma);
 
-  /// Whether one interval of `duration` [s] from here on is linear enough: what the derivatives
+  /// Whether one interval of so many steps from here on is linear enough: what the derivatives
   /// leave out, products of the uncertainties of axes and parameters, stays under a tenth of the
-  /// noise of the mean of `samples`. `reference_frequency`: w [rad/s].
-  bool isLinearOver(double duration, int samples, double reference_frequency) const;
+  /// noise of the mean (docs/filter.md, section 7). `reference_frequency`: w [rad/s].
+  bool isLinearOver(int steps, double reference_frequency) const;
 
   /// Adds a measured (a, b) [V] where the interval begins.
   void sample(const Eigen::Vector2d& measured);
-  /// A step over `duration` [s] and the (a, b) [V] measured at its end.
-  void step(const AveragedStep<double>& step, double duration, const Eigen::Vector2d& measured);
-  /// The first `count`, 1 to kLanes, of several such steps, predicted each by itself. Derivatives
-  /// and noise are those of one step over all of them at their mean: they only weigh the
-  /// innovation, which needs no ninth digit.
-  void steps(const AveragedStep<Lanes>& steps, int count, double duration, const Lanes& measured_a,
-             const Lanes& measured_b);
-  /// Ends the interval with its update and starts the next. What is given is good until the next
+  /// A step and the (a, b) [V] measured at its end. It waits in the filter's queue until there are
+  /// enough to be taken side by side, or the interval ends. Each is predicted by itself;
+  /// derivatives and noise, which only weigh the innovation, are those of one step over up to 8 at
+  /// their mean.
+  void step(const AveragedStep<double>& step, const Eigen::Vector2d& measured);
+  /// Takes the steps that wait.
+  void settle();
+  /// Ends the interval with its update and starts the next. The result is good until the next
   /// update.
   const IntervalUpdate& update();
   /// A step() and an update() in one, at half the cost.
-  const IntervalUpdate& stepAndUpdate(const AveragedStep<double>& step, double duration,
+  const IntervalUpdate& stepAndUpdate(const AveragedStep<double>& step,
                                       const Eigen::Vector2d& measured);
   const IntervalUpdate& lastUpdate() const { return update_; }
-  /// Drops what the interval has gathered, back to its start.
+  /// Drops what the interval has gathered: back to its start.
   void abandon();
 
   /// State at the end of the last interval.
@@ -88,43 +88,48 @@ class IntervalFilter {
   ParameterVector parameterVariance() const;
 
  private:
-  /// Errors of the state: those of the parameters, and those of a and b as what the parameters
-  /// bring about, regression * error, and the rest.
+  /// r = (a, b) and the parameters p with their errors: that of r is `regression` times that of p,
+  /// and a rest (docs/filter.md, section 2).
   struct Belief {
-    TwoLanes axes;
-    ParameterLanes parameters;
-    FactoredCovariance covariance;  ///< of the parameters
-    ParameterRows regression;
-    Square conditional;  ///< covariance of a and b given the parameters
+    Vector2 axes;                   ///< r
+    Vector5 parameters;             ///< p
+    FactoredCovariance covariance;  ///< P, of p
+    Matrix2x5 regression;           ///< C
+    Matrix2 conditional;            ///< S, of r given p
   };
-  /// How the end of an interval, or its mean, depends on the state at its start.
+  /// How the end of an interval, or the sum of its samples, depends on the state at its start.
   struct Sensitivity {
-    Square by_axes;
-    ParameterRows by_parameters;
+    Matrix2 by_axes;          ///< T
+    Matrix2x5 by_parameters;  ///< G
+  };
+  /// Process noise of r at the end of an interval (N_e), between that and the sum of the samples
+  /// (N_es), of the sum (N_s).
+  struct Noise {
+    Matrix2 end, end_sum, sum;
   };
 
   StateVector variance() const;
   const Belief& present() const { return beliefs_[present_]; }
   DeviceParameters device() const;
   void start();
-  TwoLanes advance(const AxesDynamics<double>& mean, const TwoLanes& squares, int count,
-                   double duration);
-  void gatherNoise(const Square& transition, const Square& to_sum, const Square& noise, double n);
-  double angleVariance(const TwoLanes& axes, double duration) const;
-  Square stepNoise(const AxesStepPairs& step, const TwoLanes& axes, double duration) const;
-  ParameterRows passedOn(const Square& by_axes, const ParameterRows& by_parameters) const;
-  ParameterLanes measureParameters(const ParameterRows& regression, const Square& conditional,
-                                   const TwoLanes& innovation, FactoredCovariance& next);
-  void measureStep(const AxesStepPairs& step, const Square& noise, const TwoLanes& innovation,
+  Vector2 advance(const AxesDynamics<double>& mean, const Vector2& squares, int count);
+  void gatherNoise(const Matrix2& transition, const Matrix2& to_sum, const Matrix2& noise,
+                   double n);
+  double angleVariance(const Vector2& axes) const;
+  Matrix2 stepNoise(const AxesStepResult& step, const Vector2& axes) const;
+  Vector5 measureParameters(const Matrix2x5& regression, const Matrix2& conditional,
+                            const Vector2& innovation, FactoredCovariance& next);
+  void measureStep(const AxesStepResult& step, const Matrix2& noise, const Vector2& innovation,
                    Belief& next);
   void measureMean(Belief& next);
-  void keep(const ParameterRows& shown);
+  void keep(const Matrix2x5& shown);
   void walk(Belief& belief) const;
-  void forget(const ParameterRows& shown, Belief& belief) const;
+  void forget(const Matrix2x5& shown, Belief& belief) const;
   static void addTo(Belief& belief, double weight, const ParameterVector& direction);
 
   AveragedModel model_;
   IntervalNoise noise_;
+  double step_duration_;  // h [s]
   double drive_gain_scale_ = 1.0;
   // The present one and room for the next, which counts once all its numbers are known to be
   // finite.
@@ -135,18 +140,16 @@ class IntervalFilter {
   bool walks_ = false;
   double memory_time_ = 0.0;  // 0: for ever
 
-  // The running interval. What it gathers is set by its first sample, the sums by the second.
-  TwoLanes axes_;
-  Sensitivity sensitivity_;
+  // The running interval. What it gathers is set by its first sample or step.
+  StepQueue waiting_;
+  Vector2 axes_;
   double elapsed_ = 0.0;
   int samples_ = 0;
-  TwoLanes predicted_sum_;
-  TwoLanes measured_sum_;
-  Sensitivity sensitivity_sum_;
-  // Process noise gathered by a and b: of the end, between the end and the sum, of the sum.
-  Square noise_end_;
-  Square noise_end_sum_;
-  Square noise_sum_;
+  Vector2 predicted_sum_;
+  Vector2 measured_sum_;
+  Sensitivity to_end_;
+  Sensitivity to_sum_;
+  Noise gathered_;
 };
 
 }  // namespace cvg

@@ -15,9 +15,10 @@ class PeriodKeeper {
   /// How a block follows the one before.
   enum class Follows : std::uint8_t {
     kDirectly,
-    kAfterGap,  ///< blocks are missing between: its period cannot be complete, unless it is its
-                ///< first
-    kNothing,   ///< the first, of a new session or not later: everything starts afresh
+    /// Blocks are missing between: its period cannot be complete, unless it is the first of it.
+    kAfterGap,
+    /// It is the first block, or of a new session, or not later: everything starts afresh.
+    kNothing,
   };
 
   explicit PeriodKeeper(std::int64_t period_blocks)
@@ -39,7 +40,8 @@ class PeriodKeeper {
     ++blocks_in_period_;
     return how;
   }
-  bool atFirstBlock() const { return block_of_period_ == 0; }                  ///< of a period
+  std::uint64_t blockOfPeriod() const { return block_of_period_; }  ///< the last block's, from 0
+  bool atFirstBlock() const { return block_of_period_ == 0; }       ///< of a period
   bool atLastBlock() const { return block_of_period_ + 1 == period_blocks_; }  ///< of a period
 
   /// The last block can be used; `theta` is its pattern angle [rad].

@@ -1,40 +1,37 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include "ring_gyro/common/lanes.h"
+#include "ring_gyro/common/small_algebra.h"
 #include "ring_gyro/identification/model/averaged_model.h"
 
 namespace cvg {
 
-/// Known inputs of a step of the averaged model. `Real`: double, or Lanes for several steps that
-/// follow one another.
+/// Known inputs of one step of the averaged model. `Real`: double, or Lanes for several steps side
+/// by side.
 template <typename Real>
 struct AveragedStep {
-  // theta and phi, written one by one, stand apart, lest they are read as two (pairs.h).
-  Real theta;                ///< measured, in the middle of the step [rad]
-  Real pattern_rate;         ///< theta' [rad/s]
-  Real phi;                  ///< as theta [rad]
-  Real reference_frequency;  ///< w [rad/s]
-  // Mean envelope of the drive [V].
-  Real x_real, x_imaginary, y_real, y_imaginary;
-  // What a drive that steps within adds to it (driveStep): the drive's step over 2 w duration [V]
-  // and -2 psi [rad].
-  Real x_step_real, x_step_imaginary, y_step_real, y_step_imaginary;
-  Real image_angle;
+  // theta and phi are not neighbours: two numbers that are written one by one must not be read as
+  // one register (small_algebra.h).
+  Real theta = {};                ///< measured, in the middle of the step [rad]
+  Real pattern_rate = {};         ///< theta' [rad/s]
+  Real phi = {};                  ///< as theta [rad]
+  Real reference_frequency = {};  ///< w [rad/s]
+  Phasor<Real> x, y;              ///< mean envelope F of the drive [V]
+  // A drive that changes by S within the step adds i (S - S* e^{-2 i psi}) / (2 w duration) to its
+  // mean (driveStep(); docs/derivation.md, section 8).
+  Phasor<Real> x_change, y_change;  ///< S / (2 w duration) [V]
+  Real image_angle = {};            ///< -2 psi [rad]
 };
 
 /// A step whose drive is constant, or has had its driveStep() added.
 inline AveragedStep<double> averagedStep(double theta, double phi, const AveragedInput& input) {
-  AveragedStep<double> step = {};
+  AveragedStep<double> step;
   step.theta = theta;
   step.phi = phi;
   step.pattern_rate = input.pattern_rate;
   step.reference_frequency = input.reference_frequency;
-  step.x_real = input.drive.x().real();
-  step.x_imaginary = input.drive.x().imag();
-  step.y_real = input.drive.y().real();
-  step.y_imaginary = input.drive.y().imag();
+  step.x = phasor(input.drive.x());
+  step.y = phasor(input.drive.y());
   return step;
 }
 

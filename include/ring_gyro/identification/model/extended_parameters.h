@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
+#include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
 
 namespace cvg {
@@ -51,6 +53,9 @@ struct ExtendedParameters {
   double frequency_walk = 0.0;   ///< random walk [Hz/sqrt(s)]
   double drift_walk = 0.0;       ///< random walk of bias and harmonics [rad/s/sqrt(s)]
   double rotation_walk = 0.0;    ///< random walk [rad/s/sqrt(s)]
+
+  /// Blocks in `update_period`. Throws std::invalid_argument when it is not whole.
+  std::int64_t periodBlocks(const ConverterParameters& converter) const;
 
   void declare(ParameterTable& table);
 };
