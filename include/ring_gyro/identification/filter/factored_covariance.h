@@ -35,68 +35,23 @@ class FactoredCovariance {
   };
 
   /// Measures rows * parameters with these innovations and positive definite covariance `noise`,
-  /// after Bierman: the first, then the second less what its noise has in common with that of the
-  /// first. Both go through the factors as they were, and what the first does to the second is
-  /// added (in the coordinates of U it is one number a column): so the second does not wait until
-  /// the first has been through the factors. `next`: the covariance after both, another object.
+  /// after Bierman (docs/filter.md, section 5): the first row, then the second less what its noise
+  /// shares with that of the first. `next`: the covariance after both, another object.
   Outcome measure(const Matrix2x5& rows, const Matrix2& noise, const Vector2& innovation,
                   FactoredCovariance& next) const {
-    const double first_noise = noise.first[0];
-    const double shared = noise.second[0] / first_noise;
-    const double second_noise = noise.second[1] - shared * noise.second[0];
-    double first[kSize], second[kSize];  // U' row
-    timesUpper(rows.first, first);
-    timesUpper(rows.second, second);
-    double first_spread[kSize], second_spread[kSize];  // D U' row
-    double first_step[kSize], second_step[kSize];      // what each column takes of those before it
-    double diagonal[kSize];
-    double common[kSize + 1];
-    double variance[kSize + 1];
-    unrolled<0, kSize>([&](auto j) {
-      second[j] -= shared * first[j];
-      first_spread[j] = diagonal_[j] * first[j];
-    });
-    runningSums(first_noise, first_spread, first, variance);
-    runningSums(0.0, first_spread, second, common);
-    double inverse = 1.0 / first_noise;
-    unrolled<0, kSize>([&](auto j) {
-      first_step[j] = -first[j] * inverse;
-      inverse = 1.0 / variance[j + 1];
-      diagonal[j] = diagonal_[j] * (variance[j] * inverse);
-      second[j] += first_step[j] * common[j];
-      second_spread[j] = diagonal[j] * second[j];
-    });
-    const double first_variance = variance[kSize];
-    const double first_share = innovation[0] * inverse;
-    const double second_innovation =
-        innovation[1] - shared * innovation[0] - common[kSize] * first_share;
-
-    runningSums(second_noise, second_spread, second, variance);
-    inverse = 1.0 / second_noise;
-    unrolled<0, kSize>([&](auto j) {
-      second_step[j] = -second[j] * inverse;
-      inverse = 1.0 / variance[j + 1];
-      next.diagonal_[j] = diagonal[j] * (variance[j] * inverse);
-    });
-    const double second_share = second_innovation * inverse;
-
-    // U times the spreads so far: in the end what the parameters have in common with the
-    // measurement.
-    FourLanes first_gathered = {first_spread[0], 0.0, 0.0, 0.0};
-    FourLanes second_gathered = {second_spread[0], 0.0, 0.0, 0.0};
-    unrolled<1, kSize>([&](auto j) {
-      const FourLanes& before = column(j);
-      const FourLanes between = before + first_step[j] * first_gathered;
-      first_gathered += first_spread[j] * before;
-      next.column(j) = between + second_step[j] * second_gathered;
-      second_gathered += second_spread[j] * between;
-    });
-    const double cross = shared * first_variance + common[kSize];
-    return {{Vector2{first_variance, cross},
-             Vector2{cross, variance[kSize] + cross * cross / first_variance}},
-            innovation[0] * first_share + second_innovation * second_share,
-            {first_share * first_gathered + second_share * second_gathered,
-             first_share * first_spread[4] + second_share * second_spread[4]}};
+    FactoredCovariance between;
+    const double shared = noise.second[0] / noise.first[0];
+    const RowOutcome first = measureRow(rows.first, noise.first[0], innovation[0], between);
+    const Vector5 second_row = rows.second - shared * rows.first;
+    const RowOutcome second = between.measureRow(
+        second_row, noise.second[1] - shared * noise.second[0],
+        innovation[1] - shared * innovation[0] - dot(second_row, first.gained), next);
+    // The second innovation is the given one less `slope` of the first.
+    const double slope = shared + dot(second_row, first.gain);
+    const double cross = slope * first.variance;
+    return {{Vector2{first.variance, cross}, Vector2{cross, second.variance + cross * slope}},
+            first.normalised_innovation_squared + second.normalised_innovation_squared,
+            first.gained + second.gained};
   }
 
   /// Adds weight * direction direction' (Agee and Turner). Two quantities that depend on the
@@ -180,6 +135,34 @@ class FactoredCovariance {
 
  private:
   using Numbers = double[kSize];
+
+  /// What one measurement brought about.
+  struct RowOutcome {
+    double variance;  ///< of the innovation, noise and all
+    double normalised_innovation_squared;
+    Vector5 gain;
+    Vector5 gained;  ///< gain * innovation
+  };
+
+  /// Measures row * parameters with noise of this variance.
+  RowOutcome measureRow(const Vector5& row, double noise, double innovation,
+                        FactoredCovariance& next) const {
+    Numbers f, v;  // U' row and D U' row
+    timesUpper(row, f);
+    unrolled<0, kSize>([&](auto j) { v[j] = diagonal_[j] * f[j]; });
+    double variance[kSize + 1];  // of what the columns before j show
+    runningSums(noise, v, f, variance);
+    FourLanes gathered = {v[0], 0.0, 0.0, 0.0};  // U v so far
+    next.diagonal_[0] = diagonal_[0] * (variance[0] / variance[1]);
+    unrolled<1, kSize>([&](auto j) {
+      next.diagonal_[j] = diagonal_[j] * (variance[j] / variance[j + 1]);
+      next.column(j) = column(j) - (f[j] / variance[j]) * gathered;
+      gathered += v[j] * column(j);
+    });
+    const double share = 1.0 / variance[kSize];
+    const Vector5 gain = share * Vector5(gathered, v[4]);
+    return {variance[kSize], innovation * innovation * share, gain, innovation * gain};
+  }
 
   /// The first four rows of column j of U, its ones and zeros with them; the first column is known.
   FourLanes& column(int j) { return columns_[j - 1]; }
