@@ -89,7 +89,7 @@ CalibrationProcedure::CalibrationProcedure(const DeviceKnowledge& device,
   if (period_blocks <= 0) {
     throw std::invalid_argument("calibration: the period must be at least one block");
   }
-  result_.angular_gain = device.angular_gain;
+  result_.device.angular_gain = device.angular_gain;
   const double rate =
       parameters.survey_rate > 0.0 ? parameters.survey_rate : 0.3 * device.decayRate();
   plan(rate);
@@ -162,7 +162,8 @@ void CalibrationProcedure::planPair(Stage stage, const std::string& name, double
 
 /// At which the pattern is to turn in this leg, by what is known of k [rad/s].
 double CalibrationProcedure::patternRate(const Leg& leg) const {
-  return std::max(std::abs(leg.virtual_rate), result_.angular_gain * std::abs(leg.table_rate));
+  return std::max(std::abs(leg.virtual_rate),
+                  result_.device.angular_gain * std::abs(leg.table_rate));
 }
 
 /// Once k has been measured: the legs to come were planned with the k that was told. A leg that
@@ -320,9 +321,9 @@ void CalibrationProcedure::finishIdentification() {
         "the identification has not settled; raise calibration_run/identification_time");
   }
   const auto value = [this](const char* name) { return identified(name); };
-  result_.natural_frequency = value("natural_frequency");
-  result_.quality_factor = kPi * result_.natural_frequency / value("decay_rate");
-  result_.drive_gain = value("drive_gain");
+  result_.device.natural_frequency = value("natural_frequency");
+  result_.device.quality_factor = kPi * result_.device.natural_frequency / value("decay_rate");
+  result_.device.drive_gain = value("drive_gain");
   result_.parameters.clear();
   const std::vector<std::string>& names = identifier_->names();
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -343,7 +344,7 @@ void CalibrationProcedure::finishIdentification() {
       DrivePath::of(residual.matrix() * corrections_.driveCorrection().inverse());
   corrections_.pickoff_cubic += value("pickoff_cubic");
   const double told = device_.decayRate() / device_.drive_gain;
-  const double found = result_.device().decayRate() / result_.drive_gain;
+  const double found = result_.device.decayRate() / result_.device.drive_gain;
   corrections_.gamma1 = value("gamma1") * found / told;
   corrections_.gamma2 = value("gamma2") * found / told;
   identifier_.reset();
@@ -386,7 +387,7 @@ void CalibrationProcedure::finishTable(const RateHarmonics& forward,
   keepSignificantOrders(odd, coefficientSigma(theta_, converter_.blockDuration()) / std::sqrt(2.0));
   corrections_.angle_map = angleMapOf(odd, static_cast<int>(parameters_.highest_order));
   result_.angle_map_measured = true;
-  result_.angular_gain = angularGainOf(odd, parameters_.table_rate);
+  result_.device.angular_gain = angularGainOf(odd, parameters_.table_rate);
   result_.table_drift = evenPart(forward, backward);
   sizeLegs();
 }
@@ -396,7 +397,7 @@ void CalibrationProcedure::finishVerification(const RateHarmonics& forward,
   const Leg& leg = legs_.front();
   Verification verification;
   verification.rate = std::abs(parameters_.rate_table ? leg.table_rate : leg.virtual_rate);
-  const double output_gain = parameters_.rate_table ? result_.angular_gain : 1.0;
+  const double output_gain = parameters_.rate_table ? result_.device.angular_gain : 1.0;
   verification.forward_peak = forward.peak_to_peak / output_gain;
   verification.backward_peak = backward.peak_to_peak / output_gain;
   verification.forward_scale = -forward.mean_rate / (output_gain * verification.rate) - 1.0;
@@ -441,17 +442,17 @@ void CalibrationProcedure::finishThreshold() {
   const AngleSample begin = meanOf(output_.begin(), output_.begin() + length);
   const AngleSample end = meanOf(output_.end() - length, output_.end());
   test.turned = end.theta - begin.theta;
-  test.expected = -result_.angular_gain * test.rate * (end.time - begin.time);
+  test.expected = -result_.device.angular_gain * test.rate * (end.time - begin.time);
 }
 
 /// With the gains of the device as identified, in place of those that the loops were told.
 Corrections CalibrationProcedure::correctionsForDevice() const {
   Corrections corrections = corrections_;
   const double told = device_.decayRate() / device_.drive_gain;
-  const double found = result_.device().decayRate() / result_.drive_gain;
+  const double found = result_.device.decayRate() / result_.device.drive_gain;
   corrections.gamma1 *= told / found;
   corrections.gamma2 *= told / found;
-  corrections.drift = scaled(corrections.drift, result_.drive_gain / device_.drive_gain);
+  corrections.drift = scaled(corrections.drift, result_.device.drive_gain / device_.drive_gain);
   return corrections;
 }
 

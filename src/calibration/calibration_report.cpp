@@ -21,7 +21,7 @@ void addMapKnowledge(std::string& text, const CalibrationResult& result) {
     text +=
         formatted("angle map: measured on the rate table; largest slope error before it %.1f ppm\n",
                   1e6 * largest);
-    text += formatted("angular gain k: %.8f\n", result.angular_gain);
+    text += formatted("angular gain k: %.8f\n", result.device.angular_gain);
     return;
   }
   const DrivePath& path = result.corrections.drive_path;

@@ -4,13 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "ring_gyro/common/angle.h"
-
 namespace cvg {
-
-double DeviceKnowledge::angularFrequency() const { return kTwoPi * natural_frequency; }
-
-double DeviceKnowledge::decayRate() const { return 0.5 * angularFrequency() / quality_factor; }
 
 void DeviceKnowledge::requireResonance(const char* user) const {
   const auto require = [user](const char* key, double value) {

@@ -31,7 +31,7 @@ std::string Range::text() const {
 ParameterTable& ParameterTable::number(std::string key, double& target, std::string unit,
                                        Range range, std::string description) {
   parameters_.push_back(
-      {std::move(key), &target, std::move(unit), range, {}, std::move(description), false});
+      {std::move(key), &target, std::move(unit), range, std::move(description), false});
   return *this;
 }
 
@@ -44,27 +44,27 @@ ParameterTable& ParameterTable::requiredNumber(std::string key, double& target, 
 
 ParameterTable& ParameterTable::integer(std::string key, std::int64_t& target, Range range,
                                         std::string description) {
-  parameters_.push_back({std::move(key), &target, "1", range, {}, std::move(description), false});
+  parameters_.push_back({std::move(key), &target, "1", range, std::move(description), false});
   return *this;
 }
 
 ParameterTable& ParameterTable::flag(std::string key, bool& target, std::string description) {
   parameters_.push_back(
-      {std::move(key), &target, "1", Range::any(), {}, std::move(description), false});
+      {std::move(key), &target, "1", Range::any(), std::move(description), false});
   return *this;
 }
 
 ParameterTable& ParameterTable::text(std::string key, std::string& target,
                                      std::string description) {
   parameters_.push_back(
-      {std::move(key), &target, "text", Range::any(), {}, std::move(description), false});
+      {std::move(key), &target, "text", Range::any(), std::move(description), false});
   return *this;
 }
 
 ParameterTable& ParameterTable::numbers(std::string key, std::vector<double>& target,
                                         std::string unit, Range range, std::string description) {
   parameters_.push_back(
-      {std::move(key), &target, std::move(unit), range, {}, std::move(description), false});
+      {std::move(key), &target, std::move(unit), range, std::move(description), false});
   return *this;
 }
 
@@ -95,9 +95,9 @@ void requireInRange(const ParameterTable& table, const std::string& prefix) {
         check(parameter, "[" + std::to_string(k) + "]", (**list)[k], unit);
       }
     } else if (const auto* const choice = std::get_if<Parameter::Choice>(&parameter.target)) {
-      if (*choice->value >= parameter.choices.size()) {
+      if (*choice->value >= choice->names.size()) {
         faults += (faults.empty() ? "" : "\n") + prefix + parameter.key + " is none of its " +
-                  std::to_string(parameter.choices.size()) + " choices";
+                  std::to_string(choice->names.size()) + " choices";
       }
     }
   }

@@ -36,10 +36,7 @@ CompensationInjector::CompensationInjector(const DeviceKnowledge& device,
       damping_(2.0 * device.decayRate()),
       period_blocks_(period_blocks),
       enabled_(parameters.enabled) {
-  if (!(damping_ > 0.0) || !std::isfinite(damping_)) {
-    throw std::invalid_argument(
-        "compensation: natural_frequency and quality_factor must be above zero");
-  }
+  device.requireResonance("compensation");
   if (period_blocks < 1) {
     throw std::invalid_argument("compensation: period_blocks must be at least 1");
   }

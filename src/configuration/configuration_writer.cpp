@@ -50,7 +50,7 @@ std::string configurationYaml(const Section& section, const std::vector<std::str
 }
 
 std::string calibrationYaml(const CalibrationResult& result, const DeviceKnowledge& told) {
-  DeviceKnowledge device = result.device();
+  DeviceKnowledge device = result.device;
   if (!result.angle_map_measured) device.angular_gain = told.angular_gain;
   Corrections corrections = result.corrections;
   Sections sections = {{"device", {}}, {"calibration", {}}};

@@ -52,11 +52,10 @@ std::string store(const Parameter&, std::string* target, const std::string& text
   return "";
 }
 
-std::string store(const Parameter& parameter, Parameter::Choice target, const std::string& text) {
-  const auto& choices = parameter.choices;
-  const auto found = std::find(choices.begin(), choices.end(), text);
-  if (found == choices.end()) return "unknown choice";
-  *target.value = static_cast<std::uint8_t>(found - choices.begin());
+std::string store(const Parameter&, const Parameter::Choice& target, const std::string& text) {
+  const auto found = std::find(target.names.begin(), target.names.end(), text);
+  if (found == target.names.end()) return "unknown choice";
+  *target.value = static_cast<std::uint8_t>(found - target.names.begin());
   return "";
 }
 
@@ -72,7 +71,7 @@ std::string text(const double* value) {
 }
 std::string text(const std::int64_t* value) { return std::to_string(*value); }
 std::string text(const bool* value) { return *value ? "true" : "false"; }
-std::string text(Parameter::Choice) { return ""; }  // by the parameter's names
+std::string text(const Parameter::Choice& choice) { return *choice; }
 std::string text(const std::string* value) { return value->empty() ? "\"\"" : *value; }
 std::string text(const std::vector<double>* values) {
   std::string result = "[";
@@ -95,17 +94,18 @@ std::optional<double> numberFromText(const std::string& text) {
 }
 
 std::string storeText(const Parameter& parameter, const std::string& text) {
-  return std::visit([&](auto target) { return store(parameter, target, text); }, parameter.target);
+  return std::visit([&](const auto& target) { return store(parameter, target, text); },
+                    parameter.target);
 }
 
 std::string allowedText(const Parameter& parameter) {
   if (std::holds_alternative<bool*>(parameter.target)) return "true or false";
   if (std::holds_alternative<std::string*>(parameter.target)) return "any text";
-  if (std::holds_alternative<Parameter::Choice>(parameter.target)) {
+  if (const auto* const choice = std::get_if<Parameter::Choice>(&parameter.target)) {
     std::string result = "one of: ";
-    for (const std::string& choice : parameter.choices) {
-      if (&choice != &parameter.choices.front()) result += ", ";
-      result += choice;
+    for (const std::string& name : choice->names) {
+      if (&name != &choice->names.front()) result += ", ";
+      result += name;
     }
     return result;
   }
@@ -117,10 +117,7 @@ std::string allowedText(const Parameter& parameter) {
 }
 
 std::string valueText(const Parameter& parameter) {
-  if (const auto* const choice = std::get_if<Parameter::Choice>(&parameter.target)) {
-    return parameter.choices.at(*choice->value);
-  }
-  return std::visit([](auto target) { return text(target); }, parameter.target);
+  return std::visit([](const auto& target) { return text(target); }, parameter.target);
 }
 
 }  // namespace cvg

@@ -10,7 +10,6 @@
 #include "ring_gyro/calibration/calibration_report.h"
 #include "ring_gyro/common/number_text.h"
 #include "ring_gyro/configuration/configuration_writer.h"
-#include "ring_gyro/configuration/parameter_text.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/ros/message_checks.h"
 #include "ring_gyro/ros/topics.h"

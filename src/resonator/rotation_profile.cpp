@@ -63,8 +63,9 @@ double RotationProfile::rate(double time) const {
   const RotationParameters& p = parameters_;
   if (p.profile == RotationShape::kConstant) return p.rate;
   if (p.profile == RotationShape::kStep) return time < p.step_time ? 0.0 : p.rate;
-  if (p.profile == RotationShape::kSine)
+  if (p.profile == RotationShape::kSine) {
     return p.rate + p.amplitude * std::sin(kTwoPi * p.frequency * time);
+  }
   if (time <= times_.front()) return rates_.front();
   if (time >= times_.back()) return rates_.back();
   const auto after = std::upper_bound(times_.begin(), times_.end(), time) - times_.begin();

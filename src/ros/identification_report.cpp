@@ -83,15 +83,7 @@ std::string noneUsable(const IdentificationReport& report,
 Json jsonNumber(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json jsonOf(const cvg::Parameter& parameter) {
-  if (std::holds_alternative<cvg::Parameter::Choice>(parameter.target)) {
-    return Json(valueText(parameter));
-  }
-  return std::visit(
-      [](auto target) {
-        if constexpr (std::is_pointer_v<decltype(target)>) return Json(*target);
-        return Json();
-      },
-      parameter.target);
+  return std::visit([](const auto& target) { return Json(*target); }, parameter.target);
 }
 
 /// What the filter was told; the rest of a configuration has no part in it.

@@ -9,7 +9,6 @@
 
 #include "ring_gyro/common/number_text.h"
 #include "ring_gyro/common/output_target.h"
-#include "ring_gyro/configuration/parameter_text.h"
 
 namespace ring_gyro::bridge {
 namespace {

@@ -54,10 +54,10 @@ cvg::CalibrationResult calibrate(const cvg::LoopConfiguration& configuration, co
 nlohmann::json jsonOf(const cvg::CalibrationResult& result) {
   nlohmann::json json = {{"duration", result.duration},
                          {"steering_rate", result.steering_rate},
-                         {"natural_frequency", result.natural_frequency},
-                         {"quality_factor", result.quality_factor},
-                         {"drive_gain", result.drive_gain},
-                         {"angular_gain", result.angular_gain},
+                         {"natural_frequency", result.device.natural_frequency},
+                         {"quality_factor", result.device.quality_factor},
+                         {"drive_gain", result.device.drive_gain},
+                         {"angular_gain", result.device.angular_gain},
                          {"angle_map_measured", result.angle_map_measured},
                          {"angle_map", tools::jsonOf(result.corrections.angle_map)}};
   for (const cvg::IdentifiedParameter& parameter : result.parameters) {

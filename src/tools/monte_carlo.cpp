@@ -88,11 +88,9 @@ std::string fingerprint(const cvg::MonteCarlo& batch) {
     for (const cvg::Parameter& parameter : section.table.parameters()) {
       text << '\n' << section.name << '/' << parameter.key << '=';
       std::visit(
-          [&text, &parameter](auto target) {
-            using Target = decltype(target);
-            if constexpr (std::is_same_v<Target, cvg::Parameter::Choice>) {
-              text << parameter.choices.at(*target.value);
-            } else if constexpr (std::is_same_v<Target, std::vector<double>*>) {
+          [&text](const auto& target) {
+            using Target = std::decay_t<decltype(*target)>;
+            if constexpr (std::is_same_v<Target, std::vector<double>>) {
               for (const double value : *target) text << value << ' ';
             } else {
               text << *target;

@@ -64,8 +64,7 @@ CalibrationResult calibrated(const LoopConfiguration& configuration, std::string
 
 LoopConfiguration withResult(LoopConfiguration c, const CalibrationResult& result) {
   c.corrections = result.corrections;
-  c.device = {result.natural_frequency, result.quality_factor, result.drive_gain,
-              result.angular_gain};
+  c.device = result.device;
   return c;
 }
 
@@ -81,9 +80,9 @@ TEST(CalibrationRun, FindsAndCancelsWhatDependsOnTheAngle) {
   ASSERT_EQ(failure, "");
   std::printf("%s", calibrationText(result).c_str());
   ASSERT_TRUE(result.angle_map_measured);
-  EXPECT_NEAR(result.quality_factor / 5000.0, 1.0, 1e-3);
+  EXPECT_NEAR(result.device.quality_factor / 5000.0, 1.0, 1e-3);
   EXPECT_NEAR(result.corrections.pickoff_cubic, 0.02, 2e-4);
-  EXPECT_NEAR(result.angular_gain, 1.0, 1e-4);
+  EXPECT_NEAR(result.device.angular_gain, 1.0, 1e-4);
   ASSERT_TRUE(result.threshold.has_value());
   EXPECT_TRUE(result.threshold->followed());
 
@@ -121,7 +120,7 @@ TEST_P(CalibrationOfGain, LegsAreSizedByTurnsOfThePattern) {
   std::string failure;
   const CalibrationResult result = calibrated(deviceWithGain(told, gain), failure);
   ASSERT_EQ(failure, "");
-  EXPECT_NEAR(result.angular_gain / gain, 1.0, 1e-4);
+  EXPECT_NEAR(result.device.angular_gain / gain, 1.0, 1e-4);
   ASSERT_EQ(result.verifications.size(), 1u);
   const Verification& verification = result.verifications.front();
   EXPECT_EQ(verification.rate, 0.4);
@@ -134,7 +133,7 @@ TEST_P(CalibrationOfGain, LegsAreSizedByTurnsOfThePattern) {
   const ThresholdTest& test = *result.threshold;
   EXPECT_NEAR(test.threshold, std::abs(largestMagnitude(drift).value), 1e-15);
   EXPECT_EQ(std::abs(test.rate), 2.0 * test.threshold);
-  const double time = test.expected / (-result.angular_gain * test.rate);
+  const double time = test.expected / (-result.device.angular_gain * test.rate);
   EXPECT_NEAR(time, 20.0, 1.0);
   EXPECT_LT(result.duration, 600.0);
 }
@@ -181,7 +180,7 @@ TEST(CalibrationRun, HandsOutEachStageWhenItIsFound) {
   EXPECT_FALSE(found[3].angle_map_measured);
   // Verification comes last and changes nothing of what is written.
   EXPECT_EQ(found[4].corrections.angle_map.sine, result.corrections.angle_map.sine);
-  EXPECT_EQ(found[4].angular_gain, result.angular_gain);
+  EXPECT_EQ(found[4].device.angular_gain, result.device.angular_gain);
 }
 
 TEST(CalibrationRun, ATableThatDoesNotTurnIsNamedAndTheRestIsKept) {

@@ -51,12 +51,10 @@ struct ThresholdTest {
 
 /// Everything that a calibration run found.
 struct CalibrationResult {
-  Corrections corrections;         ///< with the gains of device()
-  double natural_frequency = 0.0;  ///< identified [Hz]
-  double quality_factor = 0.0;     ///< identified
-  double drive_gain = 0.0;         ///< identified ks [1/s^2]
-  double angular_gain = 1.0;       ///< k from the rate table, as it was told without one
-  double steering_rate = 0.0;      ///< that was chosen [rad/s]
+  Corrections corrections;  ///< with the gains of `device`
+  /// f0, Q and ks as identified; k from the rate table, without one as it was told.
+  DeviceKnowledge device;
+  double steering_rate = 0.0;                   ///< that was chosen [rad/s]
   std::vector<IdentifiedParameter> parameters;  ///< of the last identification
   std::vector<DriftRound> drift_rounds;
   bool angle_map_measured = false;
@@ -65,11 +63,6 @@ struct CalibrationResult {
   std::optional<ThresholdTest> threshold;
   double duration = 0.0;             ///< of the run [s]
   std::vector<std::string> missing;  ///< stages that are still to come; empty: it is complete
-
-  /// The device as it was found.
-  DeviceKnowledge device() const {
-    return {natural_frequency, quality_factor, drive_gain, angular_gain};
-  }
 };
 
 }  // namespace cvg

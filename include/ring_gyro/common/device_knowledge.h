@@ -1,5 +1,6 @@
 #pragma once
 
+#include "ring_gyro/common/angle.h"
 #include "ring_gyro/common/parameter_table.h"
 
 namespace cvg {
@@ -12,8 +13,8 @@ struct DeviceKnowledge {
   double drive_gain = 0.0;         ///< ks as the loops assume it [1/s^2]
   double angular_gain = 1.0;       ///< k, pattern angle to angle of the case
 
-  double angularFrequency() const;  ///< w0 = 2 pi f0 [rad/s]
-  double decayRate() const;         ///< xi0 w0 = w0 / (2 Q) [1/s]
+  double angularFrequency() const { return kTwoPi * natural_frequency; }          ///< w0 [rad/s]
+  double decayRate() const { return 0.5 * angularFrequency() / quality_factor; }  ///< xi0 w0 [1/s]
 
   /// Throws std::invalid_argument, naming `user`, unless f0 and Q are finite and above zero: all
   /// that a model of the free ring needs.

@@ -31,18 +31,20 @@ struct Range {
 /// One parameter: the only place where its name, unit, range and meaning stand.
 /// Its default is the initialiser of the field that `target` points to.
 struct Parameter {
-  /// An enumeration: the value k stands for choices[k].
+  /// An enumeration: its value k has the name names[k], and there are no others. *choice is the
+  /// present name.
   struct Choice {
     std::uint8_t* value;
+    std::vector<std::string> names;
+    const std::string& operator*() const { return names.at(*value); }
   };
   using Target =
       std::variant<double*, std::int64_t*, bool*, std::string*, std::vector<double>*, Choice>;
 
   std::string key;
   Target target;
-  std::string unit;                  ///< SI, "1" when dimensionless
-  Range range;                       ///< of numbers; of each element of a list
-  std::vector<std::string> choices;  ///< of a Choice; no others
+  std::string unit;  ///< SI, "1" when dimensionless
+  Range range;       ///< of numbers; of each element of a list
   std::string description;
   bool required = false;  ///< it has no default: the configuration must name it
 };
@@ -66,8 +68,9 @@ class ParameterTable {
   ParameterTable& choice(std::string key, Enumeration& target, std::vector<std::string> choices,
                          std::string description) {
     static_assert(std::is_same_v<std::underlying_type_t<Enumeration>, std::uint8_t>);
-    return add({std::move(key), Parameter::Choice{reinterpret_cast<std::uint8_t*>(&target)}, "text",
-                Range::any(), std::move(choices), std::move(description), false});
+    return add({std::move(key),
+                Parameter::Choice{reinterpret_cast<std::uint8_t*>(&target), std::move(choices)},
+                "text", Range::any(), std::move(description), false});
   }
   ParameterTable& numbers(std::string key, std::vector<double>& target, std::string unit,
                           Range range, std::string description);

@@ -87,21 +87,21 @@ std::array<ChainSegment, 2> BlockChain::segments() const {
 
 // Both moments lie the rest of the delay before the end of a block; drive and frequency change in
 // between, from those of the block `first` to those of `then`. One step takes both to second order
-// (docs/filter.md, section 6, whose letters these are): d T is the decay over a block, sigma the
-// share of `first`.
+// (docs/filter.md, section 6, whose letters these are): q is the share of the drive of `first`, z
+// the decay over the step.
 RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN AveragedStep<double> BlockChain::step(
     double decay_rate) const {
   const Block& before = back(1);
   const Block& now = back(0);
   const Block& first = back(whole_delay_ + 1);
   const Block& then = back(whole_delay_);
-  const double d_t = decay_rate * block_duration_;
-  const double sigma = rest_of_delay_;
-  // Means of time and of a unit step of the drive, weighted by e^{-d T (1 - s)}: what comes late in
-  // the step has decayed less at its end.
-  const double middle = 0.5 + d_t / 12.0;
-  const double moment = 0.5 * sigma * (1.0 - sigma);
-  const double first_share = sigma - moment * d_t;
+  const double z = decay_rate * block_duration_;
+  const double q = rest_of_delay_;
+  // Means with the weights e^{-z (1 - x)}: what comes late in the step, at x near 1, has decayed
+  // less at its end.
+  const double middle = 0.5 + z / 12.0;
+  const double moment = 0.5 * q * (1.0 - q);
+  const double first_share = q - z * moment;
   const double then_share = 1.0 - first_share;
 
   const double theta_change = now.orbit.theta - before.orbit.theta;
