@@ -23,9 +23,9 @@ void DeviceKnowledge::requireResonance(const char* user) const {
 }
 
 void DeviceKnowledge::declare(ParameterTable& table) {
-  // No ring has a Bryan factor above 1, but a rate table measures it together with its own scale
-  // and with the second order of the pick-off's errors: what a calibration run writes must be
-  // readable.
+  // No ring has a Bryan factor above 1. But the value measured on a rate table also contains the
+  // scale error of the table and the second order of the pick-off's errors, and the result of a
+  // calibration run must be readable.
   constexpr double kLargestMeasuredGain = 1.1;
   table
       .requiredNumber("natural_frequency", natural_frequency, "Hz", Range::between(1.0, 10e6),

@@ -10,7 +10,7 @@
 namespace cvg {
 namespace {
 
-/// A sum is finite only when all of it is.
+/// A sum is finite only if all its terms are.
 bool finite(const ParameterEstimate& estimate) {
   return std::isfinite(estimate.value.sum() + estimate.parameter_variance.sum());
 }
@@ -94,7 +94,8 @@ bool CompensationInjector::gateOpen(const ParameterEstimate& estimate) const {
          used >= parameters_.start_after;
 }
 
-/// In a straight line of (gamma1, gamma2), so that the axis of what is cancelled does not wander.
+/// Moves in a straight line of (gamma1, gamma2), so that the axis of the cancelled mismatch does
+/// not change during the ramp.
 void CompensationInjector::rampTowards(double gamma1, double gamma2, double duration) {
   const double step1 = gamma1 - gamma1_;
   const double step2 = gamma2 - gamma2_;

@@ -64,7 +64,7 @@ std::string store(const Parameter&, std::vector<double>*, const std::string&) {
   return "not a list of numbers";
 }
 
-/// A parameter server takes a whole number for an integer, and has 32 bits for it.
+/// A parameter server would read a whole number as an integer, which has only 32 bits.
 std::string text(const double* value) {
   const std::string text = textFromNumber(*value);
   const bool whole = text.find_first_not_of("-0123456789") == std::string::npos;
@@ -72,7 +72,7 @@ std::string text(const double* value) {
 }
 std::string text(const std::int64_t* value) { return std::to_string(*value); }
 std::string text(const bool* value) { return *value ? "true" : "false"; }
-std::string text(Parameter::Choice) { return ""; }  // by the parameter's names
+std::string text(Parameter::Choice) { return ""; }  // printed from the parameter's choices
 std::string text(const std::string* value) { return value->empty() ? "\"\"" : *value; }
 std::string text(const std::vector<double>* values) {
   std::string result = "[";
@@ -86,7 +86,7 @@ std::string text(const std::vector<double>* values) {
 }  // namespace
 
 std::optional<double> numberFromText(const std::string& text) {
-  // What YAML writes with a point: .nan, -.inf.
+  // YAML writes these with a point: .nan, -.inf.
   const std::size_t point = text.find('.');
   const bool sign = !text.empty() && (text[0] == '+' || text[0] == '-');
   const bool word = point == (sign ? 1 : 0) && point + 1 < text.size() &&

@@ -35,7 +35,7 @@ DrivePath DrivePath::of(const Eigen::Matrix2cd& matrix) {
 
 Eigen::Vector2cd Corrections::undistorted(const Eigen::Vector2cd& measured) const {
   if (!correct_pickoff || pickoff_cubic == 0.0) return measured;
-  // Newton's steps for the size r of the motion in r + 3/4 cubic r^3 = size of the measured one.
+  // Newton's steps for the amplitude r of the motion: r + 3/4 cubic r^3 = measured amplitude.
   constexpr int kSteps = 6;
   const double cubic = 0.75 * pickoff_cubic;
   Eigen::Vector2cd envelope = measured;

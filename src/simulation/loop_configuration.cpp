@@ -6,7 +6,7 @@
 namespace cvg {
 namespace {
 
-// A parameter server carries 32-bit integers and message stamps unsigned 32-bit seconds.
+// A parameter server has 32-bit integers, and message stamps have unsigned 32-bit seconds.
 constexpr double kLargestInteger = 2147483647.0;
 
 template <typename Parameters>
