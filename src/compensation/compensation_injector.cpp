@@ -20,7 +20,7 @@ bool finite(const ParameterEstimate& estimate) {
 void InjectorParameters::declare(ParameterTable& table) {
   table.flag("enabled", enabled, "whether compensation may begin; can be switched while running")
       .number("start_after", start_after, "s", Range::atLeast(0.0),
-              "data that the identifier must have used before compensation begins")
+              "time of data that the identifier must have used before compensation begins")
       .number("gamma_sigma_limit", gamma_sigma_limit, "1", Range::above(0.0),
               "compensation follows only estimates with both sigmas of gamma below this")
       .number("gamma_limit", gamma_limit, "1", Range::between(0.0, 1.0),

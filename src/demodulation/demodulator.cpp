@@ -38,7 +38,7 @@ std::vector<double> convolved(const std::vector<double>& one, const std::vector<
 
 void DemodulationParameters::declare(ParameterTable& table) {
   table.number("stopband_attenuation", stopband_attenuation, "dB", Range::between(40.0, 160.0),
-               "rejection asked at twice the reference frequency");
+               "required rejection at twice the reference frequency");
 }
 
 double filterGain(const std::vector<double>& taps, double frequency, double sample_rate) {
