@@ -47,7 +47,7 @@ struct Window {
   std::size_t count;
 };
 
-// The usual step between samples: the median, which no gap disturbs.
+// The usual step between samples: the median, which gaps do not change.
 double samplePeriod(const std::vector<AngleSample>& samples) {
   if (samples.size() < 2) {
     throw std::invalid_argument("rate harmonics: under two samples of the angle");
@@ -101,14 +101,14 @@ std::vector<Window> cutWindows(const std::vector<AngleSample>& samples, std::siz
 }
 
 double meanTheta(const std::vector<AngleSample>& samples, const Window& window) {
-  double sum = 0.0;  // about the first angle: a large number of turns costs no digits
+  double sum = 0.0;  // relative to the first angle, so that many turns cost no digits
   for (std::size_t k = 1; k < window.count; ++k) {
     sum += samples[window.first + k].theta - samples[window.first].theta;
   }
   return samples[window.first].theta + sum / static_cast<double>(window.count);
 }
 
-// Calls use(earlier, later) for each two windows that follow each other without a gap.
+// Calls use(earlier, later) for each pair of consecutive windows without a gap.
 template <typename Use>
 void forEachPair(const std::vector<AngleSample>& samples, const std::vector<Window>& windows,
                  double period, const Use& use) {
@@ -138,7 +138,7 @@ std::vector<AngleSample> lastWholeTurns(const std::vector<AngleSample>& samples,
 }
 
 double peakToPeak(const RateHarmonics& fit) {
-  constexpr int kSteps = 7200;  // the 8th harmonic is missed by 6e-6 of itself at most
+  constexpr int kSteps = 7200;  // relative error for the 8th harmonic: 6e-6 at most
   double lowest = 0.0;
   double highest = 0.0;
   for (int i = 0; i < kSteps; ++i) {

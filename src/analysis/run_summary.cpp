@@ -27,7 +27,7 @@ struct Span {
   std::size_t size() const { return end - first; }
 };
 
-// The longest stretch of complete, locked blocks at one virtual rate that `belongs` accepts.
+// The longest run of complete, locked blocks at one virtual rate that `belongs` accepts.
 template <typename Belongs>
 Span longestSpan(const RunRecord& record, std::size_t first, const Belongs& belongs) {
   const auto& blocks = record.blocks();
@@ -36,7 +36,7 @@ Span longestSpan(const RunRecord& record, std::size_t first, const Belongs& belo
   const RunBlock* last = nullptr;
   for (std::size_t i = first; i < blocks.size(); ++i) {
     const RunBlock& block = blocks[i];
-    if (!isComplete(block)) continue;  // a gap costs its windows only
+    if (!isComplete(block)) continue;  // a gap removes only its windows
     if (!block.status.locked() || !belongs(block)) {
       last = nullptr;
       continue;
@@ -49,7 +49,7 @@ Span longestSpan(const RunRecord& record, std::size_t first, const Belongs& belo
   return best;
 }
 
-// The stretch at the end of the run in which the compensation has its last value.
+// The blocks at the end of the run in which the compensation has its last value.
 Span settledSpan(const RunRecord& record, std::size_t first) {
   constexpr double kSettled = 0.01;
   const auto& blocks = record.blocks();

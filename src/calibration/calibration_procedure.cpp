@@ -15,9 +15,9 @@ namespace cvg {
 namespace {
 
 constexpr double kLeastSettling = 2.0;     // [s]
-constexpr double kTurnsOfALeg = 2.2;       // two whole turns, to tell turns from each other
-constexpr double kLeastTurns = 2.1;        // of these, where k or drift are not as was planned with
-constexpr double kLeastFollowing = 0.01;   // of the rate that the pattern was to turn at
+constexpr double kTurnsOfALeg = 2.2;       // two whole turns, to compare one turn with another
+constexpr double kLeastTurns = 2.1;        // at least, where k or drift differ from the plan
+constexpr double kLeastFollowing = 0.01;   // of the expected rate of the pattern
 constexpr double kSignificance = 3.0;      // of the amplitude of an order, in sigmas
 constexpr double kLongestUnusable = 20.0;  // without a usable block [s]
 constexpr double kApproachRate = 0.1;      // of steering to the worst angle [rad/s]
@@ -33,7 +33,7 @@ RateHarmonics fit(const std::vector<AngleSample>& samples, double period) {
   return fitRateHarmonics(samples, windowOfTurns(samples, period));
 }
 
-/// Of a coefficient, from what the halves of a leg differ by [rad/s].
+/// Sigma of a coefficient, from the difference of the halves of a leg [rad/s].
 double coefficientSigma(const std::vector<AngleSample>& samples, double period) {
   const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
   const RateHarmonics first = fit({samples.begin(), middle}, period);
@@ -46,7 +46,7 @@ double coefficientSigma(const std::vector<AngleSample>& samples, double period) 
   return 0.5 * std::sqrt(squares / (2 * RateHarmonics::kCount));
 }
 
-/// (theta + pi, phi + pi) is the same motion: odd orders can be nothing but noise.
+/// (theta + pi, phi + pi) is the same motion, so odd orders are only noise.
 void keepEvenOrders(AngleHarmonics& function, std::int64_t highest) {
   function.cosine.resize(static_cast<std::size_t>(highest), 0.0);
   function.sine.resize(static_cast<std::size_t>(highest), 0.0);
@@ -55,7 +55,7 @@ void keepEvenOrders(AngleHarmonics& function, std::int64_t highest) {
   }
 }
 
-/// What is corrected must be estimated. Steering alone shows no rotation of the case.
+/// Everything that is corrected must be estimated. Steering alone shows no rotation of the case.
 ExtendedParameters withCalibratedGroups(ExtendedParameters parameters) {
   parameters.quality = parameters.frequency = true;
   parameters.drive_matrix = parameters.drift_bias = parameters.pickoff_cubic = true;
@@ -160,14 +160,14 @@ void CalibrationProcedure::planPair(Stage stage, const std::string& name, double
   }
 }
 
-/// At which the pattern is to turn in this leg, by what is known of k [rad/s].
+/// Expected rate of the pattern in this leg, with the best known k [rad/s].
 double CalibrationProcedure::patternRate(const Leg& leg) const {
   return std::max(std::abs(leg.virtual_rate),
                   result_.device.angular_gain * std::abs(leg.table_rate));
 }
 
-/// Once k has been measured: the legs to come were planned with the k that was told. A leg that
-/// ends with turns enough is left as it is.
+/// After k has been measured: the remaining legs were planned with the nominal k. A leg that has
+/// enough turns is not changed.
 void CalibrationProcedure::sizeLegs() {
   for (auto leg = legs_.begin() + 1; leg != legs_.end(); ++leg) {
     if (patternRate(*leg) * leg->duration >= leg->least_turn) continue;
@@ -250,7 +250,7 @@ void CalibrationProcedure::record(const OrbitalElements& elements, const Control
   output_.push_back({time, elements.angle});
 }
 
-/// By the pattern since the settling [rad].
+/// Angle by which the pattern has turned since the settling [rad].
 double CalibrationProcedure::turned() const {
   return theta_.empty() ? 0.0 : std::abs(theta_.back().theta - theta_.front().theta);
 }
@@ -302,13 +302,13 @@ void CalibrationProcedure::finishSurvey() {
     throw std::runtime_error("the pattern turned by " + std::to_string(toDegrees(travel)) +
                              " deg only; raise calibration_run/survey_rate above the drift");
   }
-  // Half the swing of the rate is what gamma, drive and pick-off make together; to tell them apart
-  // takes the identification.
+  // Half the swing of the rate is the effect of gamma, drive and pick-off together; only the
+  // identification separates them.
   const double drift = 0.5 * fit(theta_, converter_.blockDuration()).peak_to_peak;
   const double rate = std::max(parameters_.least_rate, parameters_.rate_margin * drift);
   const Leg survey = legs_.front();
   plan(rate);
-  legs_.push_front(survey);  // leaves with the leg that ends now
+  legs_.push_front(survey);  // removed when the present leg ends
 }
 
 double CalibrationProcedure::identified(const std::string& name) const {
@@ -339,7 +339,7 @@ void CalibrationProcedure::finishIdentification() {
   residual.rotation_phase = value("drive_rotation_phase");
   residual.phase_mismatch = value("phase_mismatch");
   residual.phase_skew = value("phase_skew");
-  // What was identified is what the correction in force leaves.
+  // The identified path is only the error that the acting correction leaves.
   corrections_.drive_path =
       DrivePath::of(residual.matrix() * corrections_.driveCorrection().inverse());
   corrections_.pickoff_cubic += value("pickoff_cubic");
@@ -365,8 +365,9 @@ void CalibrationProcedure::finishDriftRound(const RateHarmonics& forward,
   if (rounds > 1 && rounds == parameters_.drift_rounds) poolDriftRounds();
 }
 
-/// The first round, whose drift may be too large for steering to cancel at once, only prepares.
-/// The others measured the same total: their mean, less the orders that noise alone would make.
+/// The first round is not used, because its drift may be too large to be cancelled at once. The
+/// other rounds measured the same total: takes their mean without the orders that noise alone could
+/// explain.
 void CalibrationProcedure::poolDriftRounds() {
   AngleHarmonics sum;
   double weights = 0.0;
@@ -409,7 +410,7 @@ void CalibrationProcedure::finishVerification(const RateHarmonics& forward,
   if (next != legs_.end() && next->stage == Stage::kToWorstAngle) aimAtWorstAngle();
 }
 
-/// From the mean of all verifications, whose noise is the smallest.
+/// Uses the mean of all verifications, which has the smallest noise.
 void CalibrationProcedure::aimAtWorstAngle() {
   AngleHarmonics drift;
   for (const Verification& verification : result_.verifications) drift += verification.drift;
@@ -426,7 +427,7 @@ void CalibrationProcedure::aimAtWorstAngle() {
 
 void CalibrationProcedure::finishThreshold() {
   ThresholdTest& test = *result_.threshold;
-  // Half a second at each end: the noise of a single sample is of no interest.
+  // The mean over half a second at each end reduces the noise of single samples.
   const auto part = static_cast<std::size_t>(0.5 / converter_.blockDuration());
   if (output_.size() < 4 * part) throw std::runtime_error("threshold_time is too short");
   const auto meanOf = [](auto begin, auto end) {
@@ -445,7 +446,7 @@ void CalibrationProcedure::finishThreshold() {
   test.expected = -result_.device.angular_gain * test.rate * (end.time - begin.time);
 }
 
-/// With the gains of the device as identified, in place of those that the loops were told.
+/// With the gains of the identified device instead of the nominal ones in the loops.
 Corrections CalibrationProcedure::correctionsForDevice() const {
   Corrections corrections = corrections_;
   const double told = device_.decayRate() / device_.drive_gain;
@@ -478,13 +479,13 @@ double CalibrationProcedure::timeLeft() const {
   const Leg& now = legs_.front();
   const double planned = now.settling + now.duration;
   if (settled_time_ <= planned) return time - settled_time_;
-  // It goes on until the pattern has turned enough.
+  // The leg continues until the pattern has turned enough.
   const double rate = turned() / (settled_time_ - now.settling);
   const double longer = rate > 0.0 ? (now.least_turn - turned()) / rate : 0.0;
   return std::max(0.0, longer) + time - planned;
 }
 
-/// Each once, in their order.
+/// Each stage once, in order.
 std::vector<std::string> CalibrationProcedure::missingStages() const {
   std::vector<std::string> stages;
   for (const Leg& leg : legs_) {

@@ -10,7 +10,7 @@
 namespace cvg {
 namespace {
 
-constexpr int kGrid = 1440;  // angles of a turn: the 8th harmonic is missed by 2e-4 of itself
+constexpr int kGrid = 1440;  // angles per turn; relative error for the 8th harmonic: 2e-4
 
 double gridAngle(int index) { return kTwoPi * index / kGrid; }
 
@@ -24,7 +24,7 @@ AngleHarmonics combined(const RateHarmonics& forward, const RateHarmonics& backw
   return result;
 }
 
-/// Time that the pattern takes for each radian, on the grid [s/rad].
+/// Time that the pattern needs per radian, on the grid [s/rad].
 std::vector<double> slowness(const AngleHarmonics& rate) {
   std::vector<double> values(kGrid);
   for (int i = 0; i < kGrid; ++i) {

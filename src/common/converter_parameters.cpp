@@ -9,7 +9,7 @@ namespace cvg {
 std::int64_t ConverterParameters::blockDurationNanoseconds() const {
   const double exact = 1e9 * blockDuration();
   const double rounded = std::round(exact);
-  // NaN and infinity, of an empty block or none, are no number of nanoseconds.
+  // Also refuses NaN and infinity, which invalid parameters give.
   if (!(std::abs(exact - rounded) <= 1e-6) || !(rounded >= 1.0)) {
     throw std::invalid_argument(
         "converter: block_samples / sample_rate = " + std::to_string(exact) +

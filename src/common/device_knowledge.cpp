@@ -17,19 +17,19 @@ void DeviceKnowledge::requireResonance(const char* user) const {
 }
 
 void DeviceKnowledge::declare(ParameterTable& table) {
-  // No ring has a Bryan factor above 1, but a rate table measures it together with its own scale
-  // and with the second order of the pick-off's errors: what a calibration run writes must be
-  // readable.
+  // No ring has a Bryan factor above 1. But the value measured on a rate table also contains the
+  // scale error of the table and the second order of the pick-off's errors, and the result of a
+  // calibration run must be readable.
   constexpr double kLargestMeasuredGain = 1.1;
   table
       .requiredNumber("natural_frequency", natural_frequency, "Hz", Range::between(1.0, 10e6),
-                      "f0, what the NCO starts from and the averaged model uses")
+                      "f0, start of the NCO and frequency of the averaged model")
       .requiredNumber("quality_factor", quality_factor, "1", Range::between(10.0, 1e9),
                       "Q, for the loop gains and as the scale of identified damping and ks")
       .requiredNumber("drive_gain", drive_gain, "1/s^2", Range::above(0.0),
                       "ks as the loops assume it; the identifier finds its own")
       .number("angular_gain", angular_gain, "1", Range::between(0.01, kLargestMeasuredGain),
-              "k, the Bryan factor, with which the pattern rate is reported as rate of the case");
+              "k, the Bryan factor; converts the pattern rate to the reported rate of the case");
 }
 
 }  // namespace cvg

@@ -11,7 +11,7 @@ std::string formatted(const char* pattern, ...) {
   va_start(arguments, pattern);
   std::va_list again;
   va_copy(again, arguments);
-  // First how long it is, then the text.
+  // First the length, then the text.
   const int length = std::vsnprintf(nullptr, 0, pattern, arguments);
   va_end(arguments);
   std::string text(length > 0 ? static_cast<std::size_t>(length) : 0, '\0');

@@ -78,7 +78,7 @@ std::optional<double> parseNumber(std::string_view text, char decimal) {
     if (!text.empty() && isSign(text.front())) return std::nullopt;
   }
   if (text.empty() || text.size() > kLongest) return std::nullopt;
-  // What may stand first: both converters would take more, such as a hexadecimal or "nan(1)".
+  // Check the first character: both converters would accept more, such as hexadecimal or "nan(1)".
   const char first = text.front() == '-' && text.size() > 1 ? text[1] : text.front();
   const bool digits = std::isdigit(static_cast<unsigned char>(first)) != 0 || first == decimal;
   const bool word = first == 'n' || first == 'N' || first == 'i' || first == 'I';

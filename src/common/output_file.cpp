@@ -18,7 +18,7 @@
 namespace cvg {
 namespace {
 
-constexpr mode_t kPlainMode = 0666;  // less the umask
+constexpr mode_t kPlainMode = 0666;  // reduced by the umask
 constexpr int kMostNames = 100;
 
 std::string randomName() {
@@ -29,13 +29,13 @@ std::string randomName() {
   return name;
 }
 
-/// Whether a failed lock or sync says only that the file system knows no such thing.
+/// Whether a lock or sync failed only because the file system does not support it.
 bool isUnsupported(int reason) {
   return reason == EINVAL || reason == ENOTSUP || reason == ENOSYS || reason == ENOLCK ||
          reason == EROFS;
 }
 
-/// A file without a name, gone when it is closed.
+/// A file without a name, which is deleted when it is closed.
 Descriptor namelessFile() {
   std::string name = (std::filesystem::temp_directory_path() / "ring_gyro_XXXXXX").string();
   Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
@@ -51,7 +51,7 @@ OutputFile::OutputFile(std::string path, std::string suffix, Access access)
   if (target_.kind == OutputTarget::Kind::kFile) {
     folder_ = Descriptor(::open(target_.folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (!folder_.valid()) fail(errno);
-    // Renaming asks for no leave of the file that it takes the place of.
+    // Renaming does not check the permissions of the file that it replaces.
     if (::faccessat(folder_.number(), target_.name.c_str(), W_OK, AT_EACCESS) != 0 &&
         errno != ENOENT) {
       fail(errno);
@@ -90,7 +90,7 @@ void OutputFile::lock() {
       if (isUnsupported(errno)) break;
       fail(errno);
     }
-    // Whoever held it before may have removed it between the two calls.
+    // The previous holder may have removed the lock file between the two calls.
     struct stat held = {};
     struct stat there = {};
     if (::fstat(lock.number(), &held) != 0) fail(errno);
@@ -124,7 +124,7 @@ void OutputFile::makeTemporary() {
   }
   if (!file_.valid()) fail(EEXIST);
   if (!replaces) return;
-  // Only root can give a file away; whoever else writes it owns it from now on.
+  // Only root can set another owner; otherwise the writer owns the new file.
   if (::fchown(file_.number(), before.st_uid, before.st_gid) != 0) errno = 0;
   if (::fchmod(file_.number(), before.st_mode & 07777) != 0) fail(errno);
 }
@@ -153,7 +153,7 @@ void OutputFile::finish() {
 void OutputFile::putInPlace() {
   const char* const name = target_.name.c_str();
   struct stat before = {};
-  // It was a file, or not there, when it was asked for; what has come since is not replaced.
+  // At construction it was a file or did not exist; do not replace anything else.
   if (::fstatat(folder_.number(), name, &before, AT_SYMLINK_NOFOLLOW) == 0 &&
       !S_ISREG(before.st_mode)) {
     fail(EEXIST);

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostLinks = 40;  // as the kernel
+constexpr int kMostLinks = 40;  // the limit of the kernel
 
 [[noreturn]] void fail(const std::string& path, int reason) {
   throw std::runtime_error(writeFault(path, reason));
@@ -27,8 +27,8 @@ fs::path folderOf(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-/// /proc/self/fd, in all its spellings. What stands in it are no links to be followed by name: they
-/// are the open files themselves.
+/// Whether the folder is /proc/self/fd, in any spelling. Its entries are the open files themselves;
+/// they must not be followed by name like links.
 bool holdsOwnDescriptors(const fs::path& folder) {
   if (folder.filename() != "fd") return false;
   std::error_code ignored;
@@ -36,10 +36,10 @@ bool holdsOwnDescriptors(const fs::path& folder) {
   return real.rfind("/proc/" + std::to_string(::getpid()) + "/", 0) == 0;
 }
 
-/// What tells files apart; a file that is not there yet by its folder and its name.
+/// Identifies a file; for a file that does not exist yet, its folder and its name.
 using Identity = std::tuple<dev_t, ino_t, std::string>;
 
-/// Nothing for what cannot be destroyed by writing to it, and for what is not there at all.
+/// Empty for an output that writing cannot destroy, and for a path without an existing folder.
 std::optional<Identity> identityOf(const std::string& path) {
   struct stat status = {};
   if (::stat(path.c_str(), &status) == 0) {
@@ -51,7 +51,7 @@ std::optional<Identity> identityOf(const std::string& path) {
     if (::stat(target.folder.c_str(), &status) != 0) return std::nullopt;
     return Identity(status.st_dev, status.st_ino, target.name);
   } catch (const std::runtime_error&) {
-    return std::nullopt;  // the writer says what is wrong with it
+    return std::nullopt;  // the writer reports the fault
   }
 }
 

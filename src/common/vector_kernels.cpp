@@ -17,19 +17,19 @@ using Masks = std::int64_t __attribute__((vector_size(64)));
 
 inline double sumOfLanes(const Lanes& low, const Lanes& high) { return sumOf(Lanes(low + high)); }
 
-// sum += matrix v, the matrix by columns.
+// sum += matrix v, with the matrix stored by columns.
 inline void addProduct(const FourLanes* matrix, const FourLanes& v, FourLanes& sum) {
   sum = (matrix[0] * v[0] + matrix[1] * v[1]) + (matrix[2] * v[2] + (matrix[3] * v[3] + sum));
 }
 
-// The lanes of a phasor that turns by `step` a sample, and its turn by two registers.
+// The lanes of a phasor that turns by `step` per sample, and its turn over two registers.
 struct TurningLanes {
   Lanes cosine0, sine0, cosine1, sine1;
   double cosine_turn, sine_turn;
 };
 
 inline void startTurning(double real, double imaginary, double step, TurningLanes& lanes) {
-  // Powers of e^{i step}, each from halves of its exponent.
+  // Powers of e^{i step}, each from the powers of half its exponent.
   double c[2 * kWidth + 1];
   double s[2 * kWidth + 1];
   c[0] = 1.0;
@@ -180,7 +180,7 @@ void applyAxisErrors(const AxisErrorKernel& errors, std::size_t count, double* x
 RING_GYRO_VECTOR_CLONES
 std::size_t quantise(double step, double lowest, double highest, std::size_t count,
                      double* values) {
-  constexpr double kRound = 6755399441055744.0;  // 1.5 2^52: what is added to it loses its fraction
+  constexpr double kRound = 6755399441055744.0;  // 1.5 2^52: a sum with it is rounded to an integer
   const double inverse = 1.0 / step;
   const Lanes low = Lanes{} + lowest;
   const Lanes high = Lanes{} + highest;
@@ -213,7 +213,7 @@ void runRecurrence(const LinearRecurrence& recurrence, double* state, const doub
   std::memcpy(&hq, recurrence.input + 4, sizeof s);
   std::memcpy(&output, recurrence.output, sizeof s);
   std::memcpy(&s, state, sizeof s);
-  // Two samples at a time by the squared flow: the chain from state to state is half as long.
+  // Two samples at a time with the squared flow: this halves the chain from state to state.
   const FourLanes e[4] = {e0, e1, e2, e3};
   FourLanes d0{}, d1{}, d2{}, d3{}, gp{}, gq{};
   addProduct(e, e0, d0);

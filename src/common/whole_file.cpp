@@ -41,7 +41,7 @@ void writeWholeFile(const std::string& path, const std::string& text) {
 }
 
 void requireWritable(const std::string& path) {
-  // A pipe that is opened and closed again has ended for its reader.
+  // Do not open a pipe here: closing it again would end it for its reader.
   if (path.empty() || outputTarget(path).kind != OutputTarget::Kind::kFile) return;
   const WholeFile file(path);
 }

@@ -40,7 +40,7 @@ std::string mendOf(const std::string& path, int reason) {
   }
 }
 
-/// Keeps SIGPIPE from this thread while it writes.
+/// Blocks SIGPIPE for this thread while it writes.
 class WithoutPipeSignal {
  public:
   WithoutPipeSignal() {
@@ -67,7 +67,7 @@ class WithoutPipeSignal {
   bool was_pending_;
 };
 
-/// 0, or the reason for which not all could be written.
+/// 0, or the reason why not all bytes could be written.
 int write(int descriptor, const char* data, std::size_t size) {
   const WithoutPipeSignal quiet;
   while (size > 0) {

@@ -10,7 +10,7 @@
 namespace cvg {
 namespace {
 
-/// A sum is finite only when all of it is.
+/// A sum is finite only if all its terms are.
 bool finite(const ParameterEstimate& estimate) {
   return std::isfinite(estimate.value.sum() + estimate.parameter_variance.sum());
 }
@@ -20,7 +20,7 @@ bool finite(const ParameterEstimate& estimate) {
 void InjectorParameters::declare(ParameterTable& table) {
   table.flag("enabled", enabled, "whether compensation may begin; can be switched while running")
       .number("start_after", start_after, "s", Range::atLeast(0.0),
-              "data that the identifier must have used before compensation begins")
+              "time of data that the identifier must have used before compensation begins")
       .number("gamma_sigma_limit", gamma_sigma_limit, "1", Range::above(0.0),
               "compensation follows only estimates with both sigmas of gamma below this")
       .number("gamma_limit", gamma_limit, "1", Range::between(0.0, 1.0),
@@ -91,7 +91,8 @@ bool CompensationInjector::gateOpen(const ParameterEstimate& estimate) const {
          used >= parameters_.start_after;
 }
 
-/// In a straight line of (gamma1, gamma2), so that the axis of what is cancelled does not wander.
+/// Moves in a straight line of (gamma1, gamma2), so that the axis of the cancelled mismatch does
+/// not change during the ramp.
 void CompensationInjector::rampTowards(double gamma1, double gamma2, double duration) {
   const double step1 = gamma1 - gamma1_;
   const double step2 = gamma2 - gamma2_;

@@ -21,7 +21,7 @@ std::string joinLines(const Faults& faults) {
   return lines;
 }
 
-/// What stands in the file, on one line.
+/// The text in the file, on one line.
 std::string shownValue(const YAML::Node& node) {
   std::string text;
   if (node.IsNull()) return "(nothing)";
@@ -65,8 +65,8 @@ std::string nearestSection(const std::string& name, const Sections& sections) {
       ->name;
 }
 
-/// The parameter that was probably meant: the same key in another section, or else the key of this
-/// section with the fewest edits.
+/// The parameter that was probably meant: the same key in another section, or otherwise the key of
+/// this section with the fewest edits.
 std::string nearestKey(const Section& section, const std::string& key, const Sections& sections) {
   for (const Section& other : sections) {
     for (const Parameter& parameter : other.table.parameters()) {
@@ -180,7 +180,7 @@ YAML::Node loadFile(const std::string& path) {
   }
 }
 
-/// Puts the keys of `file`, a map of sections, into those of `root`.
+/// Copies the keys of `file`, a map of sections, to `root`, replacing older values.
 void layOver(YAML::Node& root, const YAML::Node& file, const std::string& path, Faults& faults) {
   if (!file.IsMap()) {
     faults.push_back(path + ": not a map of sections");

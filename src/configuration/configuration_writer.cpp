@@ -14,7 +14,7 @@ std::string line(const Parameter& parameter) {
          (has_unit ? parameter.unit + ", " : "") + parameter.description + "\n";
 }
 
-/// What one program writes the others must read: better no file than one that they refuse.
+/// Other programs must be able to read the file: no file is better than one that they refuse.
 void requireReadable(const Section& section) {
   try {
     requireInRange(section.table, section.name + "/");

@@ -63,7 +63,7 @@ std::string store(const Parameter&, std::vector<double>*, const std::string&) {
   return "not a list of numbers";
 }
 
-/// A parameter server takes a whole number for an integer, and has 32 bits for it.
+/// A parameter server would read a whole number as an integer, which has only 32 bits.
 std::string text(const double* value) {
   const std::string text = textFromNumber(*value);
   const bool whole = text.find_first_not_of("-0123456789") == std::string::npos;
@@ -85,7 +85,7 @@ std::string text(const std::vector<double>* values) {
 }  // namespace
 
 std::optional<double> numberFromText(const std::string& text) {
-  // What YAML writes with a point: .nan, -.inf.
+  // YAML writes these with a point: .nan, -.inf.
   const std::size_t point = text.find('.');
   const bool sign = !text.empty() && (text[0] == '+' || text[0] == '-');
   const bool word = point == (sign ? 1 : 0) && point + 1 < text.size() &&

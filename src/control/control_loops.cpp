@@ -20,8 +20,8 @@ constexpr double kLockTime = 0.05;  // [s]
 constexpr double kPhaseLockError = toRadians(0.5);
 constexpr double kAmplitudeLockError = 0.01;   // of the setpoint
 constexpr double kQuadratureLockError = 0.01;  // of a
-constexpr double kOrbitFound = 0.05;           // of the setpoint: enough to close the loops on
-constexpr double kOrbitLost = 0.02;            // of the setpoint: nothing left to control
+constexpr double kOrbitFound = 0.05;           // of the setpoint: enough to close the loops
+constexpr double kOrbitLost = 0.02;            // of the setpoint: too small to control
 
 LoopGains gainsOf(const LoopTuning& tuning, double decay = 0.0) {
   return loopGains(tuning.bandwidth, tuning.damping, decay);
@@ -40,7 +40,7 @@ const ControlParameters& checkedControl(const ControlParameters& p) {
   return checked(p, "control");
 }
 
-/// What the largest drive does to the orbit at the unit amplitude [V/s].
+/// Effect of the largest drive on the orbit at unit amplitude [V/s].
 double mostRate(const DeviceKnowledge& device, const ControlParameters& control) {
   return control.drive_limit * device.drive_gain / (2.0 * device.angularFrequency());
 }
@@ -105,7 +105,7 @@ bool ControlLoops::samplesUsable(const DisplacementBlock& block) const {
   if (block.x.size() != samples || block.y.size() != samples) return false;
   const Eigen::Map<const Eigen::ArrayXd> x(block.x.data(), converter_.block_samples);
   const Eigen::Map<const Eigen::ArrayXd> y(block.y.data(), converter_.block_samples);
-  // A finite sum has finite terms; the slow look is for sums that overflow.
+  // A finite sum has finite terms; the slow check is for sums that overflow.
   return std::isfinite(sumOf(x.data(), samples) + sumOf(y.data(), samples)) ||
          (x.allFinite() && y.allFinite());
 }
@@ -115,7 +115,7 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   LoopStatus& status = output_.elements.status;
   Reference reference{block.reference_phase, block.reference_frequency};
   const bool referenced = std::isfinite(reference.phase) && std::isfinite(reference.frequency);
-  // Before the first block of a session the ring was at rest, as the empty filter has it.
+  // Before the first block of a session the ring was at rest, which is what an empty filter means.
   const std::uint64_t expected = started_ ? last_stamp_.sequence + 1 : 0;
   if (!referenced) {
     const std::uint64_t missed =
@@ -129,7 +129,7 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   }
   started_ = true;
   last_stamp_ = block.stamp;
-  // Until the filter's window holds nothing but good samples again, its output is not an envelope.
+  // The filter's output is an envelope only when its window contains nothing but good samples.
   status.invalid_samples = !usable || blocks_to_settle_ > 0;
   status.converter_saturated = block.saturated_samples > 0;
   if (usable) {
@@ -157,7 +157,7 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   return output_;
 }
 
-/// As asked for in the last command, so many blocks later.
+/// The reference of the last command, continued by this number of blocks.
 ControlLoops::Reference ControlLoops::runOn(std::uint64_t blocks, double period) const {
   const DriveCommand& last = output_.command;
   const double turned = last.reference_frequency * static_cast<double>(blocks) * period;
@@ -194,7 +194,7 @@ void ControlLoops::recallActedDrive(const DisplacementBlock& block, const Refere
       output_.gains = acted.gains;
       output_.gains.status.drive_saturated = acted.saturated;
     } else {
-      // The plant went on with a drive that is no longer known: nothing can be learnt from this.
+      // The plant continued with a drive that is no longer known, so the loops must not learn now.
       output_.gains.status.drive_saturated = true;
     }
   }
@@ -218,8 +218,8 @@ DriveGains ControlLoops::closeLoops(double theta) {
   gains.alpha =
       force_per_rate * (quadrature_correction + quadrature_feedforward_.at(theta)) / orbit.a;
   if (locked && !was_locked_) {
-    // What the loop holds is mostly an offset of the NCO: no swing to be learnt from it. What was
-    // learnt before the lock was lost stays in force.
+    // The loop's integral is mostly an offset of the NCO, not a swing with the angle. The values
+    // learnt before the loss of lock stay.
     frequency_feedforward_.addConstant(phase_loop_.integral());
     phase_loop_.reset();
   } else if (locked) {
@@ -242,7 +242,7 @@ void ControlLoops::command(const DisplacementBlock& block, const Reference& refe
   bool saturated = false;
 
   if (output_.elements.status.invalid_samples) {
-    gains = output_.gains;  // coast on what acted last
+    gains = output_.gains;  // coast with the last gains
     saturated = gains.status.drive_saturated;
   } else if (orbit_found_) {
     Orbit ahead = output_.elements.orbit;
@@ -254,7 +254,7 @@ void ControlLoops::command(const DisplacementBlock& block, const Reference& refe
     gains.virtual_rate = wanted.virtual_rate;
     gains.compensation = wanted.compensation;
   } else {
-    // Nothing to control yet: ring up along x, in phase with a velocity that lags by phi = -pi/2.
+    // No orbit to control yet: ring up along x, in phase with the velocity of phi = -pi/2.
     phase_loop_.reset();
     amplitude_loop_.reset();
     quadrature_loop_.reset();
@@ -289,8 +289,8 @@ void ControlLoops::command(const DisplacementBlock& block, const Reference& refe
   command.end_of_run = settings_.end_of_run;
 }
 
-/// What has to be sent for the ring to feel `total`: turned by the inverse of the drive's path,
-/// with the delay and gain of its hold made up for.
+/// The drive to send so that `total` acts on the ring: multiplied by the inverse of the drive's
+/// path, with the delay and gain of its hold compensated.
 Eigen::Vector2cd ControlLoops::sentFor(const Eigen::Vector2cd& total) const {
   return (std::polar(1.0, frequency_ * parameters_.hold_delay) / parameters_.hold_gain) *
          (drive_correction_ * total);

@@ -19,14 +19,15 @@ void declareTuning(ParameterTable& table, const std::string& loop, LoopTuning& t
 void ControlParameters::declare(ParameterTable& table) {
   table
       .number("frequency_offset", frequency_offset, "Hz", Range::between(-1e3, 1e3),
-              "of the NCO from the natural frequency at the start")
+              "start frequency of the NCO minus the natural frequency")
       .number("amplitude", amplitude, "V", Range::between(1e-3, 10.0), "setpoint of a")
       .number("drive_limit", drive_limit, "V", Range::between(1e-3, 1e3),
               "largest drive amplitude of an axis")
       .number("frequency_range", frequency_range, "Hz", Range::between(0.1, 1e4),
-              "how far the NCO may go from where it starts")
-      .number("virtual_rate", virtual_rate, "rad/s", Range::between(-100.0, 100.0),
-              "steering once locked: acts as a rotation k Om of this, theta falls")
+              "largest deviation of the NCO from its start frequency")
+      .number(
+          "virtual_rate", virtual_rate, "rad/s", Range::between(-100.0, 100.0),
+          "steering after lock: acts like a rotation k Om of this value; if positive, theta falls")
       .number("hold_delay", hold_delay, "s", Range::between(0.0, 1e-3),
               "delay of the drive, corrected in its phase: half a sample for a zero-order hold")
       .number("hold_gain", hold_gain, "1", Range::between(0.1, 1.0),
@@ -37,11 +38,13 @@ void ControlParameters::declare(ParameterTable& table) {
   declareTuning(table, "angle_tracker", angle_tracker, "the tracker of the precession rate");
   table
       .number("learning_rate", learning_rate, "1/s", Range::between(0.0, 10.0),
-              "at which quadrature and frequency learn their swing with the pattern angle; 0: off")
+              "rate at which the loops learn the swing of quadrature and frequency with the "
+              "pattern angle; 0: off")
       .number("amplitude_modulation", amplitude_modulation, "1", Range::between(0.0, 0.5),
-              "swing of the setpoint of a, relative: tells the drive's errors from the ring's")
+              "relative swing of the setpoint of a; separates errors of the drive from those of "
+              "the ring")
       .number("amplitude_modulation_frequency", amplitude_modulation_frequency, "Hz",
-              Range::between(1e-3, 10.0), "of that swing");
+              Range::between(1e-3, 10.0), "frequency of that swing");
   table.flag("compensation", compensation, "apply the decisions of the compensation injector")
       .flag("calibration_run", calibration_run,
             "take steering, amplitude and corrections from a calibration run");

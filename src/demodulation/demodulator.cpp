@@ -38,7 +38,7 @@ std::vector<double> convolved(const std::vector<double>& one, const std::vector<
 
 void DemodulationParameters::declare(ParameterTable& table) {
   table.number("stopband_attenuation", stopband_attenuation, "dB", Range::between(40.0, 160.0),
-               "rejection asked at twice the reference frequency");
+               "required rejection at twice the reference frequency");
 }
 
 double filterGain(const std::vector<double>& taps, double frequency, double sample_rate) {
@@ -59,7 +59,7 @@ std::vector<double> demodulationFilter(const ConverterParameters& converter, dou
   }
   const std::vector<double> average(static_cast<std::size_t>(converter.block_samples), 1.0);
   // A Kaiser window of shape b and length n as a smoother: sidelobes about 10 + 6.8 b dB down
-  // beyond the edge sqrt(pi^2 + b^2) 2 / (n - 1). The edge is put well below twice the frequency.
+  // beyond the edge sqrt(pi^2 + b^2) 2 / (n - 1). The edge is set well below twice the frequency.
   const double shape = attenuation / 6.8;
   const double edge = 0.8 * kTwoPi * 2.0 * frequency / converter.sample_rate;
   const auto length = static_cast<std::size_t>(std::ceil(2.0 * std::hypot(kPi, shape) / edge)) + 1;

@@ -20,7 +20,7 @@ Orbit orbitFromEnvelope(const Eigen::Vector2cd& envelope) {
   const double left_angle = std::arg(left);
   const double right_angle = std::arg(right);
   Orbit orbit;
-  // std::abs would guard against overflow, which volts have no need of, at some 20 ns.
+  // std::abs would take about 20 ns more to guard against overflow, which voltages do not need.
   const double left_radius = std::sqrt(std::norm(left));
   const double right_radius = std::sqrt(std::norm(right));
   orbit.a = 0.5 * (left_radius + right_radius);

@@ -38,7 +38,7 @@ std::pair<Quantity, std::string> splitSpecification(const std::string& option,
   return {*quantity, trimmed(specification.substr(equals + 1))};
 }
 
-/// Frequencies are in rad/s by the name omega, but in Hz by the names that begin otherwise.
+/// Default unit of a frequency: rad/s if the name begins with omega, otherwise Hz.
 std::string unsaidUnit(Quantity quantity, const std::string& name) {
   if (quantity != Quantity::kOmega) return "";
   const std::string lower = boost::algorithm::trim_copy(name);
@@ -105,7 +105,7 @@ std::size_t ColumnMap::columnNamed(const std::string& name) const {
   const auto same = std::find_if(names_.begin(), names_.end(),
                                  [&](const std::string& known) { return trimmed(known) == name; });
   if (same != names_.end()) return static_cast<std::size_t>(same - names_.begin());
-  // "Angle" for "Angle [deg]", when that says which.
+  // "Angle" means "Angle [deg]" if that is unique.
   std::size_t found = kNone;
   for (std::size_t k = 0; k < names_.size(); ++k) {
     if (splitHeader(names_[k]).first != name) continue;
@@ -145,10 +145,10 @@ void ColumnMap::give(const std::string& specification) {
     for (const std::string& each : names_) known += (known.empty() ? "" : ", ") + each;
     fail("has no column " + name, "its columns are " + known + " (or a number from 1)");
   }
-  // The unit in the header holds when none is said.
+  // Without a given unit, use the one in the header.
   if (unit.empty()) {
     unit = splitHeader(names_[column]).second;
-    if (!unit.empty() && guessQuantity(names_[column])) unit.clear();  // no unit, part of a name
+    if (!unit.empty() && guessQuantity(names_[column])) unit.clear();  // part of a name, not a unit
     if (!unit.empty() && !unitScale(unit, info.dimension)) {
       fail("column " + names_[column] + " is said to be " + info.name + ", but " + unit +
                " is no unit of it",
@@ -214,12 +214,12 @@ void ColumnMap::guess(const std::vector<std::string>& ignored) {
     if (use.unit.empty()) use.unit = unsaidUnit(*quantity, name);
     if (!use.unit.empty()) {
       const std::optional<double> scale = unitScale(use.unit, infoOf(*quantity).dimension);
-      if (!scale) continue;  // what has another unit is something else
+      if (!scale) continue;  // another unit means another quantity
       use.scale = *scale;
     }
     uses_[indexOf(*quantity)] = use;
   }
-  // A plain table without names, in the order of the simplest form.
+  // A table without names, in the order of the simplest form.
   const bool nameless =
       !names_.empty() && names_.front() == "1" && names_.back() == std::to_string(names_.size());
   if (nameless && (names_.size() == 8 || names_.size() == 9)) {
@@ -253,7 +253,7 @@ void ColumnMap::chooseMotion() {
   } else if (all({Q::kX, Q::kY})) {
     motion_ = Motion::kSamples;
   }
-  // What belongs to another form of the motion is not used.
+  // Quantities of another form of the motion are not used.
   const auto drop = [this](std::initializer_list<Quantity> list) {
     for (const Quantity quantity : list) uses_[indexOf(quantity)].reset();
   };

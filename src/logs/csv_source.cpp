@@ -36,7 +36,7 @@ bool isComment(std::string_view line) {
   return first != std::string_view::npos && (line[first] == '#' || line[first] == '%');
 }
 
-/// First lines of a file as a dialect sees them.
+/// First lines of a file, parsed with one dialect.
 struct Layout {
   std::size_t first_row = 0;  // index of the first line with numbers
   std::size_t fields = 0;
@@ -49,8 +49,8 @@ std::size_t numericFields(const std::vector<std::string_view>& fields, char deci
       [decimal](std::string_view field) { return parseNumber(field, decimal).has_value(); }));
 }
 
-/// Delimiters are commas, and in no number there is a point or are quotes: each may be two fields,
-/// what stands before its decimal comma and behind.
+/// Whether each number may have been split into two fields at its decimal comma: the delimiter is a
+/// comma, and no number has a point or quotes.
 bool mayBeSplitAtDecimals(const std::vector<std::string>& lines, std::size_t first_row,
                           char delimiter) {
   return delimiter == ',' && std::all_of(lines.begin() + static_cast<std::ptrdiff_t>(first_row),
@@ -60,12 +60,12 @@ bool mayBeSplitAtDecimals(const std::vector<std::string>& lines, std::size_t fir
                                          });
 }
 
-/// A row of the table rather than a header: at least half of it are numbers.
+/// Whether this is a row of the table, not a header: at least half of the fields are numbers.
 bool isRow(const std::vector<std::string_view>& fields, char decimal) {
   return 2 * numericFields(fields, decimal) >= fields.size();
 }
 
-/// How many lines make up a table under this dialect, and where it begins.
+/// Number of lines that form a table with this dialect, and where the table begins.
 Layout layoutOf(const std::vector<std::string>& lines, char delimiter, char decimal) {
   std::vector<std::string_view> fields;
   Layout layout;
@@ -74,7 +74,7 @@ Layout layoutOf(const std::vector<std::string>& lines, char delimiter, char deci
     splitFields(lines[k], delimiter, fields);
     if (!isRow(fields, decimal)) continue;
     if (layout.fields == 0 || fields.size() == layout.fields) {
-      // The last row may have been cut at the end of what is looked at.
+      // The last row may be cut at the end of the examined text.
       layout.fields = fields.size();
       ++layout.numeric_rows;
       layout.first_row = k;
@@ -135,7 +135,7 @@ CsvSource::CsvSource(const std::string& path, const CsvDialect& dialect)
       head.emplace_back(reader.number() <= dialect.skipped_lines ? "" : std::string(line));
     }
   }
-  // The dialect under which most lines are rows of numbers, and the rows have most fields.
+  // Choose the dialect with the most rows of numbers and, among these, the most fields per row.
   Layout best;
   std::size_t best_score = 0;
   for (const char delimiter : kDelimiters) {
@@ -170,7 +170,8 @@ CsvSource::CsvSource(const std::string& path, const CsvDialect& dialect)
   first_line_ = best.first_row + 1;
   split_at_decimals_ = mayBeSplitAtDecimals(head, best.first_row, dialect_.delimiter);
 
-  // The header: the line before the numbers; a line of units between; or the last comment.
+  // The header is the line before the numbers, perhaps with a line of units after it, or the last
+  // comment.
   std::vector<std::string> units;
   for (std::size_t k = best.first_row; k-- > 0;) {
     if (isEmpty(head[k])) continue;

@@ -28,14 +28,14 @@ void LabDrive::rebuild(const LogRow& row, const Orbit& orbit, ControlGains& targ
                          valueOrZero(row, Quantity::kCompensationGain2)};
   target.drive = DriveContributions{};
   if (envelopes_) {
-    // What the whole is made of is not known: it stands as one.
+    // The parts are not known: the whole drive is stored as one part.
     using Complex = std::complex<double>;
     target.drive.sustain = {
         Complex(valueOf(row, Quantity::kDriveXReal), valueOf(row, Quantity::kDriveXImag)),
         Complex(valueOf(row, Quantity::kDriveYReal), valueOf(row, Quantity::kDriveYImag))};
     return;
   }
-  if (!(orbit.a > 0.0)) return;  // nothing that a gain could act on
+  if (!(orbit.a > 0.0)) return;  // no motion for the gains to act on
   const double speed = target.reference_frequency * orbit.a;
   const double sustain_volts = valueOf(row, Quantity::kSustainVolts);
   const double quadrature_volts = valueOf(row, Quantity::kQuadratureVolts);
@@ -44,7 +44,7 @@ void LabDrive::rebuild(const LogRow& row, const Orbit& orbit, ControlGains& targ
   if (target.virtual_rate != 0.0 && !drive_gain_) {
     throw std::invalid_argument("virtual_rate steers, but the drive that it stood for is unknown");
   }
-  // Steering volts are those of a virtual rate under whatever drive gain.
+  // Steering volts correspond to a virtual rate with any drive gain; it cancels.
   const double drive_gain = drive_gain_.value_or(1.0);
   const double steering_rate =
       0.5 * drive_gain * valueOrZero(row, Quantity::kSteeringVolts) / speed;

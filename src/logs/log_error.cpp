@@ -5,7 +5,7 @@
 namespace cvg {
 namespace {
 
-/// Names in a damaged file can hold anything: what ends a line or moves the cursor is shown as '?'.
+/// Names in a damaged file can contain any byte: control characters are shown as '?'.
 std::string oneLine(std::string text) {
   std::replace_if(
       text.begin(), text.end(),

@@ -17,10 +17,10 @@ using Complex = std::complex<double>;
 using Form = ColumnMap::Motion;
 
 constexpr std::size_t kHeadRows = 2000;
-constexpr double kBlock = 1e-3;                   // that faster rows are gathered into [s]
+constexpr double kBlock = 1e-3;                   // into which faster rows are averaged [s]
 constexpr double kLowestFrequency = 100.0;        // of a resonator [Hz]
 constexpr double kLongestBlock = 100.0;           // [s]
-constexpr double kLargestDrive = 1e6;             // rebuilt from gains that each can be [V]
+constexpr double kLargestDrive = 1e6;             // computed from possible gains [V]
 constexpr double kLatestTime = 4294967295.0;      // that a stamp can hold [s]
 constexpr double kLockedPhase = toRadians(30.0);  // of phi about -pi/2
 constexpr double kLargestPhase = 30.0;            // that is not in degrees [rad]
@@ -100,8 +100,8 @@ bool LogImporter::nextGood(LogRow& row, const std::function<void(const RowError&
   }
 }
 
-/// A table that is not read as it was meant gives absurd values, but also rows of other lengths:
-/// these say more, and go first.
+/// A table that is parsed wrongly gives absurd values, and also rows of other lengths. The lengths
+/// are the better hint, so their error comes first.
 void LogImporter::readHead() {
   std::optional<RowError> absurd;
   const auto note_later = [&](const RowError& error) {
@@ -198,7 +198,8 @@ void LogImporter::checkDelay() const {
        "it must be 0 to 31 of them: gather more rows into each with --average");
 }
 
-/// Rows of a ring-up say little, and loops that are in their limits seldom log what they really do.
+/// Rows of a ring-up contain little information, and loops at their limits often do not log the
+/// real drive.
 void LogImporter::chooseAmplitude() {
   if (options_.minimum_amplitude || map_.motion() == Form::kSamples) {
     minimum_amplitude_ = options_.minimum_amplitude.value_or(0.0);
@@ -211,7 +212,7 @@ void LogImporter::chooseAmplitude() {
   minimum_amplitude_ = kUsualAmplitude * *middle;
 }
 
-/// Everything here takes phi as -pi/2 when locked; labs lock wherever their reference is.
+/// This package assumes phi = -pi/2 when locked; labs may lock at another phase.
 void LogImporter::checkPhase() const {
   const bool elements = map_.motion() == Form::kElements;
   if (map_.motion() == Form::kSamples || (elements && !has(Quantity::kPhi))) return;
@@ -251,8 +252,8 @@ Orbit LogImporter::orbitOf(const LogRow& row) const {
   return orbit;
 }
 
-/// phi in (-pi, 0] and theta without jumps. Where the drive is rebuilt from theta, theta and
-/// theta + pi are the same, and labs that fold theta into half a turn are served too.
+/// phi in (-pi, 0] and theta without jumps. Where the drive is computed from theta, theta and
+/// theta + pi are equivalent, so logs with theta folded into half a turn can be used too.
 Orbit LogImporter::onBranch(Orbit orbit) {
   const double half_turns = std::ceil(orbit.phi / kPi);
   if (half_turns != 0.0) {
@@ -270,7 +271,7 @@ Orbit LogImporter::onBranch(Orbit orbit) {
 
 void LogImporter::checkRow(const LogRow& row, const std::string& place) const {
   const double frequency = valueOf(row, Quantity::kOmega) / kTwoPi;
-  // Zero: not running yet.
+  // Zero means not running yet.
   if (frequency != 0.0 && !(frequency >= kLowestFrequency)) {
     fail(place, "a reference frequency of " + text(frequency) + " Hz cannot be",
          "give its unit, such as --column omega=COLUMN:Hz");
@@ -298,7 +299,7 @@ std::int64_t LogImporter::rowsSinceLast(const LogRow& row, const std::string& pl
   }
 }
 
-/// Stamps are the end of what a row speaks of; a sample stands for the time until the next.
+/// A stamp is the end of the time that a row covers; a sample covers the time until the next one.
 void LogImporter::setOrigin(const LogRow& row, const std::string& place) {
   const double period = clock_->period();
   double end = has(Quantity::kTime) ? valueOf(row, Quantity::kTime) : period;
@@ -341,7 +342,7 @@ void LogImporter::take(const LogRow& row, const std::string& place) {
       if (wanted) addSample(row);
     } else {
       checkTheta(row, place);
-      addMotion(row);  // unwanted rows too: theta goes on
+      addMotion(row);  // unused rows too, because theta must be unwrapped
     }
   } catch (const std::range_error& error) {
     breakBlock();
@@ -355,7 +356,7 @@ void LogImporter::take(const LogRow& row, const std::string& place) {
   }
 }
 
-/// Whether this row belongs to a block that has been whole so far.
+/// Whether this row belongs to a block without missing rows so far.
 bool LogImporter::beginOrContinueBlock(bool contiguous) {
   const std::int64_t position = row_index_ % rows_per_block_;
   if (!contiguous || position != next_in_block_) breakBlock();
@@ -382,7 +383,7 @@ void LogImporter::trackRate(const Orbit& orbit, double period) {
   rate_known_ = true;
 }
 
-/// The drive of an interval was pointed by the motion at its begin.
+/// The drive of an interval was pointed with the motion at the start of the interval.
 void LogImporter::driveOf(const LogRow& acted, const Orbit& now, double period, double group_delay,
                           ControlGains& gains) const {
   double lead = options_.drive_lead.value_or(group_delay + 0.5 * period);
@@ -398,7 +399,7 @@ void LogImporter::driveOf(const LogRow& acted, const Orbit& now, double period, 
                          text(kLargestDrive) + " V");
 }
 
-/// Radians, wrapped or not, never jump by much more than a turn.
+/// A theta in radians, wrapped or not, never jumps by much more than a turn.
 void LogImporter::checkTheta(const LogRow& row, const std::string& place) {
   if (map_.motion() != Form::kElements) return;
   const double theta = valueOf(row, Quantity::kTheta);
@@ -413,7 +414,7 @@ void LogImporter::checkTheta(const LogRow& row, const std::string& place) {
 void LogImporter::addMotion(const LogRow& row) {
   Moment now{onBranch(orbitOf(row)), row};
   trackRate(now.orbit, clock_->period());
-  // What the log says of a row acted before it, after it, or in between.
+  // The gains of a row acted before its time, after it, or are values at its time.
   const bool known = last_ || options_.gain_timing == ImportOptions::GainTiming::kBefore;
   if (next_in_block_ >= 0 && !known) {
     ++counts_.left_over_rows;
@@ -537,7 +538,7 @@ void LogImporter::emit() {
   elements.theta_rate = theta_rate_;
   elements.angle = block_.orbit.theta;
   elements.angle_rate = theta_rate_;
-  // A flag in the log decides alone; a block is as good as the worst of its rows.
+  // If the log has a flag, only the flag counts; one unusable row makes its block unusable.
   const bool usable = has(Quantity::kUsable)
                           ? valueOf(block_.row, Quantity::kUsable) > 1.0 - 1e-9
                           : locked(block_.orbit) && block_gains_.reference_frequency > 0.0;

@@ -42,7 +42,7 @@ std::string logHeader() {
 }
 
 void appendLogRow(const OrbitalElements& elements, const ControlGains& gains, std::string& text) {
-  // To the nanosecond, which a double could not hold of a wall clock.
+  // With nanoseconds, which a double cannot hold for a wall-clock time.
   const std::lldiv_t parts = std::lldiv(elements.stamp.end_ns, 1000000000LL);
   text += formatted("%lld.%09lld", parts.quot, parts.rem);
   const auto add = [&text](double value) {

@@ -19,12 +19,12 @@ namespace {
 using Count = std::uint64_t;
 
 constexpr std::size_t kHeader = 128;
-constexpr int kDeepest = 64;              // arrays in cells and structs
-constexpr Count kLongestHead = 4096;      // of a name, MATLAB stops at 63; of dimensions [bytes]
+constexpr int kDeepest = 64;              // nesting of arrays in cells and structs
+constexpr Count kLongestHead = 4096;      // of a name (MATLAB: 63 at most) or dimensions [bytes]
 constexpr std::size_t kChunk = 1U << 14;  // bytes at a time
 constexpr char kMend[] = "the file is damaged or not whole: copy or save it again";
 
-// Types of elements and classes of arrays, by MathWorks' description of the format.
+// Types of elements and classes of arrays, from MathWorks' description of the format.
 enum Type : std::uint32_t { kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15 };
 enum Class : std::uint32_t {
   kCell = 1,
@@ -36,7 +36,7 @@ enum Class : std::uint32_t {
   kOpaque = 17
 };
 
-/// Bytes of one number in an element of this type; 0: it holds no numbers.
+/// Bytes of one number in an element of this type; 0: not a type of numbers.
 Count sizeOf(std::uint32_t type) {
   constexpr std::array<std::uint8_t, 19> kSizes = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8,
                                                    0, 0, 8, 8, 0, 0, 1, 2, 4};
@@ -47,13 +47,13 @@ struct Damage {
   std::string what;
 };
 
-/// Bytes one after the other, from the file or inflated from it. Both throw Damage at their end.
+/// A stream of bytes, from the file or inflated from it. Both kinds throw Damage at their end.
 struct Bytes {
   std::function<void(char*, std::size_t)> read;
   std::function<void(Count)> skip;
 };
 
-/// A file from where it has been read to.
+/// The part of a file that has not been read yet.
 class FileBytes {
  public:
   explicit FileBytes(const std::string& path) : file_(std::fopen(path.c_str(), "rb"), std::fclose) {
@@ -146,7 +146,7 @@ class InflatedBytes {
 struct Element {
   std::uint32_t type = 0;
   Count size = 0;     // of its data
-  Count padding = 0;  // behind them
+  Count padding = 0;  // after its data
 };
 
 Damage claims(Count count, const std::string& what, Count held) {
@@ -161,15 +161,15 @@ Count product(Count a, Count b) {
   return result;
 }
 
-/// One variable and all that is in it.
+/// One variable with all its contents.
 class Variable {
  public:
   Variable(Bytes bytes, bool swapped) : bytes_(std::move(bytes)), swapped_(swapped) {}
 
-  /// As far as it has been read.
+  /// The name, as far as it has been read.
   const std::string& name() const { return name_; }
 
-  /// The tag that comes next, of an element within `left` bytes; those are then without it.
+  /// Reads the next tag, of an element within `left` bytes, and subtracts the tag from `left`.
   Element next(Count& left) {
     if (left < 8) throw Damage{"holds less than it claims"};
     Element element;
@@ -180,7 +180,7 @@ class Variable {
     left -= small ? 4 : 8;
     if (element.size > (small ? 4 : left)) throw Damage{"holds less than it claims"};
     left -= element.size;
-    // Compressed data have no padding, and some writers leave out the last.
+    // Compressed data have no padding, and some writers omit the last padding.
     const Count unit = small ? 4 : 8;
     const Count padding = (unit - element.size % unit) % unit;
     element.padding = element.type == kCompressed ? 0 : std::min(left, padding);
@@ -188,7 +188,7 @@ class Variable {
     return element;
   }
 
-  /// The array of `left` bytes that comes next, behind its tag.
+  /// Checks the next array, of `left` bytes after its tag.
   void checkArray(Count left, int depth = 0) {
     if (left == 0) return;  // an empty cell or field
     if (depth > kDeepest) throw Damage{"has arrays in arrays, over 64 deep"};
@@ -208,7 +208,7 @@ class Variable {
       for (int part = 0; part < (is_complex ? 2 : 1); ++part) checkNumbers(left, count);
     } else if (kind == kChar && left > 0) {
       const Element data = next(left);
-      // Some writers leave out the data of a short text.
+      // Some writers omit the data of a short text.
       if (count > std::max(data.size, kLongestHead)) throw claims(count, "characters", data.size);
       skip(data);
     } else if (kind == kCell) {
@@ -296,10 +296,10 @@ Bytes bytesOf(Source& source) {
           [&source](Count count) { source.skip(count); }};
 }
 
-/// The variable that comes next in the file; `name`: as far as it could be read.
+/// Checks the next variable in the file; `name`: as far as it could be read.
 void checkNext(FileBytes& file, bool swapped, std::string& name) {
   Variable plain(bytesOf(file), swapped);
-  Count unlimited = ~Count{0};  // that it ends within the file is seen when its data are
+  Count unlimited = ~Count{0};  // reading its data will show whether it ends within the file
   const Element element = plain.next(unlimited);
   const auto check = [&name](Variable& variable, Count size) {
     try {

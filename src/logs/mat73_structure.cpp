@@ -12,7 +12,7 @@
 namespace cvg {
 namespace {
 
-constexpr double kMostDeflated = 1032.0;  // bytes that one byte of deflate can stand for
+constexpr double kMostDeflated = 1032.0;  // most bytes that one byte of deflate can contain
 constexpr std::size_t kMostDimensions = 512;
 constexpr char kMend[] = "the file is damaged or not whole: copy or save it again";
 
@@ -43,7 +43,7 @@ std::string claims(double claimed, const char* what, double held) {
   return "claims " + text(claimed) + " " + what + " and holds " + text(held);
 }
 
-/// What is wrong with a dataset that lies in chunks, each whole in the file.
+/// The fault of a dataset stored in chunks; each chunk must be complete in the file.
 std::string faultOfChunks(hid_t dataset, hid_t layout, const std::vector<hsize_t>& dimensions,
                           double number_size, double file_size) {
   std::vector<hsize_t> chunk(dimensions.size());
@@ -71,7 +71,8 @@ std::string faultOfChunks(hid_t dataset, hid_t layout, const std::vector<hsize_t
   return "";
 }
 
-/// Of what MATLAB calls empty the numbers are the dimensions, of which one is zero.
+/// The fault of an array that MATLAB marks as empty: its numbers are the dimensions, one of which
+/// must be zero.
 std::string faultOfEmpty(hid_t dataset, double bytes) {
   if (H5Aexists(dataset, "MATLAB_empty") <= 0) return "";
   const Handle attribute(H5Aopen(dataset, "MATLAB_empty", H5P_DEFAULT), H5Aclose);
@@ -96,7 +97,7 @@ std::string faultOfEmpty(hid_t dataset, double bytes) {
   return claimed == 0.0 ? "" : claims(claimed, "numbers", 0.0);
 }
 
-/// What is wrong with a dataset; empty: nothing.
+/// The fault of a dataset; empty if there is none.
 std::string faultOf(hid_t dataset, double file_size) {
   const Handle space(H5Dget_space(dataset), H5Sclose);
   const Handle type(H5Dget_type(dataset), H5Tclose);
@@ -149,7 +150,8 @@ herr_t visit(hid_t group, const char* name, const H5L_info_t* info, void* data) 
 }  // namespace
 
 void requireWholeMat73(const std::string& path) {
-  // HDF5 prints a page for each fault, when libmatio reads the file too. All are told in one line.
+  // HDF5 would print a page per fault, also when libmatio reads the file. We report all in one
+  // line.
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) throw LogError(path, "", "cannot be read as HDF5; is it cut?", kMend);

@@ -27,7 +27,7 @@ struct FreeVariable {
 using File = std::unique_ptr<mat_t, CloseFile>;
 using Variable = std::unique_ptr<matvar_t, FreeVariable>;
 
-/// Before libmatio sees it.
+/// To be called before libmatio opens the file.
 void requireWhole(const std::string& path) {
   std::array<char, 128> header{};
   std::ifstream(path, std::ios::binary).read(header.data(), header.size());
@@ -76,7 +76,8 @@ void copyNumbers(const matvar_t& variable, std::size_t first, std::vector<double
                  [](Number number) { return static_cast<double>(number); });
 }
 
-/// By data type, because logical and compressed integers are stored in others than their class.
+/// Uses the data type, because logical and compressed integers are not stored in the type of their
+/// class.
 bool copyData(const matvar_t& variable, std::size_t first, std::vector<double>& values) {
   switch (variable.data_type) {
     case MAT_T_DOUBLE:
@@ -119,7 +120,7 @@ struct Shape {
   std::size_t columns;
 };
 
-/// Vectors count as a column whichever way they lie.
+/// Row and column vectors both count as a column.
 Shape shapeOf(const matvar_t& variable) {
   if (variable.dims[0] == 1) return {variable.dims[1], 1};
   return {variable.dims[0], variable.dims[1]};
@@ -168,7 +169,7 @@ void MatSource::select(const std::vector<std::size_t>& columns) {
   rows_ = row_ = 0;
   for (const std::size_t index : columns) rows_ = std::max(rows_, all_[index].rows);
   const File file = openFile(path_);
-  // Columns of one variable lie side by side: it is read once for them.
+  // Columns of one variable are adjacent, so the variable is read once for all of them.
   std::string loaded;
   Variable variable;
   for (const std::size_t index : columns) {
@@ -187,7 +188,7 @@ void MatSource::select(const std::vector<std::size_t>& columns) {
     if (numbers && !column.field.empty()) {
       numbers = Mat_VarGetStructFieldByName(variable.get(), column.field.c_str(), 0);
     }
-    // Dimensions stand by themselves in a file: numbers must be there for them.
+    // The file stores dimensions separately, so check that there are numbers for them.
     if (!numbers || !numbers->data || numbers->data_size <= 0 ||
         numbers->nbytes / static_cast<std::size_t>(numbers->data_size) / column.rows <=
             column.column) {

@@ -8,10 +8,10 @@
 namespace cvg {
 namespace {
 
-// What a quantity can be at all. Doubles resolve a stamp of 2^32 s to 1e-6 s and an angle of 1e8
-// rad (years of turning) to 1e-8 rad; a pick-off saturates far under 1 kV; no gain is above 10 kV
-// of drive for the least motion that is worth a log (1e-3 V, 1.6 kHz). Readers of the bag refuse
-// what is not below 1e12.
+// Possible values of a quantity. Doubles resolve a stamp of 2^32 s to 1e-6 s and an angle of 1e8
+// rad (years of turning) to 1e-8 rad; a pick-off saturates far below 1 kV; no gain is above 10 kV
+// of drive for the smallest motion that is worth logging (1e-3 V, 1.6 kHz). Readers of the bag
+// refuse values of 1e12 or more.
 constexpr Range kTimes = Range::between(-4294967295.0, 4294967295.0);
 constexpr Range kMotion = Range::between(-1e3, 1e3);
 constexpr Range kAngles = Range::between(-1e8, 1e8);

@@ -9,7 +9,7 @@
 namespace cvg {
 namespace {
 
-constexpr double kFollow = 0.02;  // of a deviation from the grid, for clocks that drift
+constexpr double kFollow = 0.02;  // share of a deviation that the grid follows, for drifting clocks
 
 std::string text(double value) {
   std::string result;
@@ -28,20 +28,20 @@ double samplingPeriod(const std::vector<double>& times) {
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
                    steps.end());
   double period = steps[steps.size() / 2];
-  // Times may be rounded coarsely: count whole periods over all of them, with a better period at
+  // Times may be rounded coarsely, so count whole periods over all rows, with a better period in
   // each pass.
   for (int pass = 0; pass < 3; ++pass) {
     double elapsed = 0.0;
     double periods = 0.0;
     for (std::size_t k = 1; k < times.size(); ++k) {
       const double step = times[k] - times[k - 1];
-      if (!(step > 0.0) || step > 1.9 * period) continue;  // a gap, or a clock set back
+      if (!(step > 0.0) || step > 1.9 * period) continue;  // a gap, or the clock was set back
       elapsed += step;
       periods += 1.0;
     }
     if (periods > 0.0) period = elapsed / periods;
   }
-  // How well the times say the period: their scatter about an even grid, over all of them.
+  // Uncertainty of the period: the scatter of all times about an even grid.
   double position = 0.0;
   double lowest = 0.0;
   double highest = 0.0;

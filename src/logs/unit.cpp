@@ -21,7 +21,8 @@ struct UnitInfo {
 
 constexpr double kDegree = toRadians(1.0);
 
-// The first with a name that matches exactly counts, then the first that matches in another case.
+// The first unit whose name matches exactly is used, otherwise the first that matches in another
+// case.
 constexpr std::array<UnitInfo, 56> kUnits = {{
     {"s", Dimension::kTime, 1.0},
     {"ms", Dimension::kTime, 1e-3},

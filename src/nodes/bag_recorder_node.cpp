@@ -15,11 +15,11 @@ namespace ring_gyro::nodes {
 namespace {
 
 constexpr std::uint32_t kUnlimited = 0;
-// Of messages that wait for those of other topics. A graph of nodelets sends faster than sockets
-// are read, and a socket that never runs empty is read on before the next: topics come in bursts as
-// long as what the plant and the loops let pile up (ReaderWait).
+// Limit of messages that wait for those of other topics. A graph of nodelets sends faster than
+// sockets are read, and a socket is read until it is empty before the next one is read. So topics
+// arrive in bursts, as long as the queues that the plant and the loops allow (ReaderWait).
 constexpr std::size_t kMostWaiting = 256u << 20;
-constexpr std::int64_t kLongestWait = 1'000'000'000;  // in real time, where nothing piles up [ns]
+constexpr std::int64_t kLongestWait = 1'000'000'000;  // in real time, where queues stay short [ns]
 
 bridge::StampMerge::Limits limits(const cvg::NodeParameters& parameters) {
   bridge::StampMerge::Limits result;
@@ -71,12 +71,12 @@ BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*priva
   record<ring_gyro::EndOfRun>(
       bridge::topics::kEndOfRun, [](const auto& message) { return message.last_sequence; },
       Sent::kOnce);
-  // Last: the plant waits for a listener to the truth, and by then there is one to all the rest.
+  // The truth is last: the plant waits for its subscriber, and then all other topics have one too.
   record<ring_gyro::PlantTruth>(bridge::topics::kPlantTruth, sequence);
 }
 
 BagRecorderNode::~BagRecorderNode() {
-  // Stopped before the end of the run: what has come so far is a whole bag too.
+  // Stopped before the end of the run: the bag is still complete up to here.
   if (!finished_) ROS_WARN("%s: the run was cut: stopped before its end", writer_.path().c_str());
   try {
     finish();
@@ -107,7 +107,7 @@ void BagRecorderNode::record(const char* name, BlockOf blockOf, Sent sent) {
           host_.fail(error.what());
           return;
         }
-        // The end of a run counts when it is of the run that is being recorded.
+        // The end of a run counts only if it is of the recorded run.
         if constexpr (std::is_same_v<Message, ring_gyro::OrbitalElements> ||
                       std::is_same_v<Message, ring_gyro::PlantTruth>) {
           departure_.inSession(message->session);
@@ -123,7 +123,7 @@ void BagRecorderNode::reportProcessed() {
   if (!departure_.announced()) return;
   std::uint64_t complete = std::numeric_limits<std::uint64_t>::max();
   for (const Topic& topic : topics_) {
-    // A topic that nobody publishes is not waited for.
+    // Do not wait for a topic without a publisher.
     if (!topic.any && topic.subscriber.getNumPublishers() == 0) continue;
     complete = std::min(complete, topic.any ? topic.complete_up_to : 0);
   }

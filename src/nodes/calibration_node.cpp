@@ -117,7 +117,7 @@ void CalibrationNode::publish(const cvg::CalibrationCommand& command, const cvg:
   output_.publish(message);
 }
 
-/// What cannot be written or read now is not worth the rest of the run.
+/// If the result cannot be written or read now, the rest of the run would be useless.
 void CalibrationNode::keep() {
   try {
     file_.keep(cvg::calibrationYaml(procedure_.result(), device_));
@@ -141,7 +141,7 @@ void CalibrationNode::conclude() {
   ROS_INFO("calibration in %s", parameters_.calibration_file.c_str());
 }
 
-/// At once for whoever watches, and once more as that with which the node ends.
+/// Reports the failure at once, and again when the node exits.
 void CalibrationNode::fail(const std::string& why) {
   if (!failure_.empty()) return;
   failure_ = why;

@@ -16,7 +16,7 @@
 namespace ring_gyro::nodes {
 namespace {
 
-constexpr double kTick = 0.1;  // of the watch, wall time [s]
+constexpr double kTick = 0.1;  // of the watchdog, wall time [s]
 
 template <typename Counts>
 void addDecisions(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& what,
@@ -97,7 +97,7 @@ void ControlLoopsNode::start() {
 }
 
 void ControlLoopsNode::onDisplacement(const BlockMessage::ConstPtr& message) {
-  // First of all: what comes twice neither waits for a decision nor takes the place of what waits.
+  // Check this first: a duplicate neither waits for a decision nor replaces the waiting block.
   if (!isNew(*message)) return;
   departure_.inSession(message->session);
   if (waiting_ != nullptr) {
@@ -114,7 +114,7 @@ void ControlLoopsNode::onDisplacement(const BlockMessage::ConstPtr& message) {
   process(*message);
 }
 
-/// Whether the block is to be answered at all, by its stamp.
+/// Whether the block must be answered, judged by its stamp.
 bool ControlLoopsNode::isNew(const BlockMessage& message) {
   const cvg::BlockStamp stamp{message.session, message.sequence,
                               bridge::nanosecondsFromTime(message.header.stamp),
@@ -127,7 +127,7 @@ bool ControlLoopsNode::isNew(const BlockMessage& message) {
   };
   const cvg::StampOrder order = guard_.order(stamp);
   if (order == cvg::StampOrder::kStepBack && parameters_.lockstep) {
-    // The plant goes on with the answer that it has.
+    // The plant continues with the answer that it has.
     return refuse("of a block that was answered", "a later one has come before");
   }
   if (order == cvg::StampOrder::kNewSession && message.sequence > 0 &&
@@ -195,8 +195,8 @@ void ControlLoopsNode::process(const BlockMessage& message) {
   departure_.processed(block_.stamp.sequence);
 }
 
-/// Numbers that cannot be are left out: without samples and reference the loops coast, and go on
-/// from their own last command.
+/// A block with impossible numbers is passed without samples and reference: the loops then coast
+/// and continue from their own last command.
 void ControlLoopsNode::read(const BlockMessage& message) {
   bridge::fromMessage(message, block_);
   const bridge::MessageFault fault = bridge::faultOf(message);
@@ -211,7 +211,7 @@ void ControlLoopsNode::read(const BlockMessage& message) {
 }
 
 void ControlLoopsNode::publish(const cvg::LoopOutput& output) {
-  // The drive first: the plant can go on while the rest is being sent.
+  // The drive first, so that the plant can continue while the other messages are sent.
   const auto command = command_messages_.take();
   bridge::toMessage(output.command, block_.stamp, *command);
   command_.publish(command);

@@ -12,15 +12,15 @@ namespace ring_gyro::nodes {
 namespace {
 
 constexpr double kTick = 0.05;  // wall time [s]
-constexpr int kIdleTicks = 40;  // without a new block: what is missing has been lost
-constexpr int kFlushTicks = 4;  // for what the sockets still hold
+constexpr int kIdleTicks = 40;  // without a new block, after which missing blocks are lost
+constexpr int kFlushTicks = 4;  // for messages that are still in the sockets
 
 }  // namespace
 
 Departure::Departure(ros::NodeHandle& handle, const cvg::NodeParameters& parameters, NodeHost host,
                      std::vector<Output> outputs, std::function<void()> leave)
     : allowed_subscribers_(static_cast<std::size_t>(parameters.recorders)),
-      // Less than the plant waits, so that the plant ends last.
+      // Less than the plant waits, so that the plant exits last.
       ticks_allowed_(static_cast<int>(std::ceil(0.5 * parameters.exit_timeout / kTick))),
       host_(std::move(host)),
       outputs_(std::move(outputs)),

@@ -25,7 +25,7 @@ NetworkThreadSpinner::NetworkThreadSpinner()
           ros::PollManager::instance()->addPollThreadListener([this] { callAvailable(); })) {}
 
 NetworkThreadSpinner::~NetworkThreadSpinner() {
-  // Waits for the callback that is running.
+  // This call waits for a running callback.
   ros::PollManager::instance()->removePollThreadListener(connection_);
 }
 

@@ -18,14 +18,14 @@
 
 namespace ring_gyro::nodes {
 
-/// Each line of `text` as a FATAL of its own, so that a log shows every fault with its node.
+/// Logs each line of `text` as a separate FATAL, so that a log shows every fault with its node.
 inline void logFatalLines(const std::string& text) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) ROS_FATAL_STREAM(line);
 }
 
-/// Stays until the plant, which alone gives /clock, has gone, `timeout` seconds of wall time at the
-/// most: it ends last, and a launch file may take any node that ends before it for one that died.
+/// Waits until the plant, the only publisher of /clock, has exited, for at most `timeout` seconds
+/// of wall time: a launch file may treat any node that exits before the plant as one that died.
 inline void outlastPlant(double timeout) {
   constexpr std::chrono::milliseconds kLook(20);
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout);
@@ -35,15 +35,15 @@ inline void outlastPlant(double timeout) {
   }
 }
 
-/// A node as a process of its own: main() of every executable. `ends_last`: the plant, for which
-/// the others wait when they have done all they had to do. Returns its exit code.
+/// Runs a node as a separate process: main() of every executable. `ends_last`: true for the plant,
+/// for which the others wait when they have finished. Returns the exit code.
 template <typename Node>
 int runNode(int argc, char** argv, const char* name, bool ends_last = false) {
   int exit_code = EXIT_SUCCESS;
   try {
     ros::init(argc, argv, name);
     NetworkThreadSpinner spinner;
-    ros::start();  // otherwise the last handle ends ROS, and with it the log, before the catch
+    ros::start();  // otherwise the last handle would shut down ROS and its log before the catch
     ros::NodeHandle handle;
     ros::NodeHandle private_handle("~");
     handle.setCallbackQueue(spinner.queue());
@@ -58,7 +58,7 @@ int runNode(int argc, char** argv, const char* name, bool ends_last = false) {
     const bridge::NodeConfiguration configuration = bridge::readNodeConfiguration(private_handle);
     Node node(handle, private_handle, configuration, host);
     spinner.run();
-    // A player gives /clock too, but it waits for the node.
+    // A player also publishes /clock, but it waits for the node.
     const bool live = configuration.node.replay.empty();
     if (live && !ends_last && exit_code == EXIT_SUCCESS) {
       outlastPlant(configuration.node.exit_timeout);

@@ -18,12 +18,12 @@
 
 namespace ring_gyro::nodes {
 
-/// A node as a nodelet. When its parameters are wrong the manager refuses to load it, with the same
-/// lines as the process has.
+/// A node as a nodelet. If its parameters are wrong, the manager refuses to load it and prints the
+/// same lines as the process.
 template <typename Node>
 class NodeletOf : public nodelet::Nodelet {
  public:
-  /// `ends_manager`: the manager has nothing more to do when this nodelet has finished.
+  /// `ends_manager`: the manager exits when this nodelet has finished.
   explicit NodeletOf(bool ends_manager) : ends_manager_(ends_manager) {}
 
  private:
@@ -36,7 +36,7 @@ class NodeletOf : public nodelet::Nodelet {
       host.fail = [](const std::string& why) {
         logFatalLines(why);
         ros::shutdown();
-        // The manager's main() knows no exit code but zero.
+        // The manager's main() always returns zero.
         std::quick_exit(EXIT_FAILURE);
       };
       node_ = std::make_unique<Node>(inMainThread(getNodeHandle()),
@@ -48,9 +48,8 @@ class NodeletOf : public nodelet::Nodelet {
     }
   }
 
-  /// Callbacks of all nodelets of the loop come from the manager's own queue, in its main thread: a
-  /// block goes round without being handed from thread to thread, which would take most of its
-  /// time.
+  /// Callbacks of all nodelets of the loop run from the manager's own queue, in its main thread. So
+  /// a block goes through the loop without changes of thread, which would take most of the time.
   static ros::NodeHandle inMainThread(const ros::NodeHandle& handle) {
     ros::NodeHandle result(handle);
     result.setCallbackQueue(ros::getGlobalCallbackQueue());
@@ -61,7 +60,7 @@ class NodeletOf : public nodelet::Nodelet {
   std::unique_ptr<Node> node_;
 };
 
-/// The plant stays until nobody listens any more: it is the last to finish.
+/// The plant stays until it has no more subscribers, so it finishes last.
 class PlantSimulatorNodelet : public NodeletOf<PlantSimulatorNode> {
  public:
   PlantSimulatorNodelet() : NodeletOf(true) {}

@@ -19,16 +19,16 @@
 namespace ring_gyro::nodes {
 namespace {
 
-constexpr double kTick = 0.1;  // of the watch, wall time [s]
+constexpr double kTick = 0.1;  // of the watchdog, wall time [s]
 constexpr int kTicksPerProgress = 20;
-constexpr int kTicksPerLook = 10;  // after nodes that may have died
-constexpr int kFlushTicks = 5;     // for what the sockets still hold at the end
+constexpr int kTicksPerLook = 10;  // between checks for dead nodes
+constexpr int kFlushTicks = 5;     // at the end, for messages that are still in the sockets
 
 double seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-/// Sums are enough: what is not finite makes them so.
+/// Sums are enough: a value that is not finite makes its sum not finite.
 bool isFinite(const cvg::DisplacementBlock& block) {
   return std::isfinite(std::accumulate(block.x.begin(), block.x.end(), 0.0)) &&
          std::isfinite(std::accumulate(block.y.begin(), block.y.end(), 0.0));
@@ -59,8 +59,8 @@ PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle p
       clock_(handle_.advertise<rosgraph_msgs::Clock>("/clock", 10)),
       diagnostics_(handle_, private_handle, private_handle.getNamespace(),
                    [this](auto& status) { report(status); }) {
-  // Should this node be started again with the same parameters, others must not take its blocks for
-  // those of this run.
+  // If this node is started again with the same parameters, its blocks must have another session
+  // than those of this run.
   private_handle.setParam("run/session",
                           static_cast<int>(configuration.loop.run.followingSession()));
   drive_subscriber_ = handle_.subscribe<ring_gyro::DriveCommand>(
@@ -120,7 +120,7 @@ void PlantSimulatorNode::onDriveCommand(const ring_gyro::DriveCommand& message) 
   if (fault) refusals_.add(bridge::topics::kDriveCommand, message.answers_sequence, fault);
   if (parameters_.lockstep) {
     silent_ticks_ = 0;
-    // An answer all the same: what is wrong in one block need not end a run.
+    // It still counts as an answer: a fault in one block need not end a run.
     coasts_ = static_cast<bool>(fault);
     if (fault) {
       command_.answers_sequence = message.answers_sequence;
@@ -134,7 +134,7 @@ void PlantSimulatorNode::onDriveCommand(const ring_gyro::DriveCommand& message) 
   if (fault) return;
   bridge::fromMessage(message, command_);
   any_command_ = commanded_ = true;
-  // A machine that has fallen behind catches up as fast as the answers come.
+  // A machine that is behind real time catches up as fast as the answers arrive.
   if (behindRealTime() > 0.0) onRealTimeTick();
 }
 
@@ -184,7 +184,7 @@ void PlantSimulatorNode::onRealTimeTick() {
   commanded_ = false;
   const std::uint64_t late_by = last_.sequence - command_.answers_sequence;
   if (late_by > 0) {
-    // The phase of the NCO runs on from the block that the command was meant for.
+    // Continue the phase of the NCO from the block that the command was meant for.
     ++late_;
     const double late_time = 1e-9 * static_cast<double>(block_ns_) * static_cast<double>(late_by);
     command_.reference_phase =
@@ -256,7 +256,7 @@ void PlantSimulatorNode::watch() {
 
 void PlantSimulatorNode::watchSilence() {
   if (reader_wait_.holding()) silent_ticks_ = 0;
-  // Counted in ticks rather than read from a clock: a machine that slept has been silent itself.
+  // Counted in ticks, not read from a clock, because the machine itself may have been suspended.
   if (++silent_ticks_ * kTick < parameters_.lockstep_timeout) return;
   silent_ticks_ = 0;
   host_.fail("no drive command has answered block " + std::to_string(last_.sequence) + " for " +

@@ -9,14 +9,14 @@
 namespace ring_gyro::nodes {
 namespace {
 
-constexpr double kTick = 0.001;  // while a step is held, wall time [s]
+constexpr double kTick = 0.001;  // between checks while a step is held, wall time [s]
 
 }  // namespace
 
 ReaderWait::ReaderWait(ros::NodeHandle& handle, const cvg::NodeParameters& parameters,
                        std::vector<Output> outputs, std::function<void()> resume)
     : lockstep_(parameters.lockstep),
-      // Less than the node on the other side of the loop waits for this one.
+      // Less than the time that the other node of the loop waits for this one.
       patience_(0.5 * parameters.lockstep_timeout),
       outputs_(std::move(outputs)),
       resume_(std::move(resume)) {

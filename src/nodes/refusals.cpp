@@ -5,7 +5,7 @@
 namespace ring_gyro::nodes {
 namespace {
 
-constexpr std::chrono::seconds kQuiet(10);  // between two lines of a kind
+constexpr std::chrono::seconds kQuiet(10);  // between two lines about the same reason
 
 }  // namespace
 

@@ -10,10 +10,10 @@ namespace ring_gyro::nodes {
 namespace {
 
 constexpr double kTick = 0.05;        // wall time [s]
-constexpr int kIdleTicks = 40;        // after the end of the bag: what is missing has been lost
-constexpr double kClockSlack = 0.05;  // by which /clock may stop short of the last message [s]
+constexpr int kIdleTicks = 40;        // after the end of the bag; then missing messages are lost
+constexpr double kClockSlack = 0.05;  // /clock may stop this much before the last message [s]
 
-/// Advances in replay only: without a /clock it is zero.
+/// Simulated time; zero without /clock.
 ros::Time clock() { return ros::Time::isSimTime() ? ros::Time::now() : ros::Time(); }
 
 }  // namespace

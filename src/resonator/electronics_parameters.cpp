@@ -22,11 +22,11 @@ void AxisErrors::declare(ParameterTable& table) {
   table.number("gain_x", gain_x, "1", Range::between(0.1, 10.0), "gain of axis x")
       .number("gain_y", gain_y, "1", Range::between(0.1, 10.0), "gain of axis y")
       .number("misalignment", misalignment, "rad", Range::between(-0.5, 0.5),
-              "electrode y turned towards x")
+              "angle by which electrode y is turned towards x")
       .number("phase_delay", phase_delay, "rad", Range::between(-1.5, 1.5),
               "of both axes, at the resonance")
       .number("phase_difference", phase_difference, "rad", Range::between(-1.5, 1.5),
-              "delay of y beyond that of x");
+              "delay of y minus delay of x");
 }
 
 void SenseParameters::declare(ParameterTable& table) {
@@ -37,7 +37,7 @@ void SenseParameters::declare(ParameterTable& table) {
       .number("cubic", cubic, "1/V^2", Range::between(-0.3, 0.3),
               "capacitive gap: an electrode displaced by x reads x (1 + cubic x^2)")
       .number("feedthrough", feedthrough, "1", Range::between(-1.0, 1.0),
-              "drive volt that appears in the pick-off, per volt")
+              "volt in the pick-off per volt of the drive")
       .integer("adc_bits", adc_bits, Range::between(0, 32), "0: ideal converter")
       .number("adc_range", adc_range, "V", Range::above(0.0), "saturates at plus and minus this");
 }

@@ -49,8 +49,8 @@ inline void draw(std::uint32_t* state, std::uint32_t* result) {
   }
 }
 
-// -2 ln(u) for the uniform number u in (0, 1] that the high 31 bits stand for. The polynomials here
-// and below are those of Moshier's cephes, good to the last bit but one.
+// -2 ln(u) for the uniform number u in (0, 1] given by the high 31 bits. The polynomials here and
+// below are those of Moshier's cephes, accurate to the second last bit.
 inline float minusTwiceLog(std::uint32_t bits) {
   const float u = static_cast<float>(static_cast<std::int32_t>(bits >> 1)) * 0x1p-31F + 0x1p-32F;
   // u = m 2^e with m between sqrt(1/2) and sqrt(2).
@@ -82,7 +82,8 @@ void drawNormals(std::uint32_t* state, float* normals, std::size_t count) {
     float* const ys = xs + kLanes;
     for (std::size_t k = 0; k < kLanes; ++k) {
       const float radius = std::sqrt(minusTwiceLog(radius_bits[k]));
-      // An angle within 45 degrees of the x axis; the low bits then swap and mirror it all around.
+      // An angle within 45 degrees of the x axis; the low bits then swap and mirror it to all
+      // octants.
       const std::uint32_t bits = angle_bits[k];
       const float v =
           static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24F - (0.5F - 0x1p-25F);
@@ -115,7 +116,7 @@ void addScaled(const double* samples, const float* normals, double sigma, std::s
   }
 }
 
-// Fills the states from one seed, as the authors of xoshiro advise (splitmix64).
+// Fills the states from one seed, as recommended by the authors of xoshiro (splitmix64).
 std::uint64_t splitMix(std::uint64_t& state) {
   state += 0x9e3779b97f4a7c15ULL;
   std::uint64_t z = state;

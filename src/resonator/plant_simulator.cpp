@@ -191,8 +191,8 @@ class PlantSimulator::Implementation {
     return block_;
   }
 
-  // Drive that reaches the ring from an ideal modulator. A cubic error acts on the fundamental by
-  // 3/4 of itself; its third harmonic is far from the resonance.
+  // Drive that reaches the ring from an ideal modulator. 3/4 of a cubic error acts on the
+  // fundamental; its third harmonic is far from the resonance.
   DriveForce realisedDrive() const {
     const DriveParameters& p = parameters_.drive;
     Eigen::Vector2cd envelope = command_.envelope;
@@ -217,7 +217,7 @@ class PlantSimulator::Implementation {
     samplePhasorSeries(series, share_.data(), cosine_.data(), sine_.data(), padded_, x_.data(),
                        y_.data());
     if (forced_.harmonic) return;
-    // What the phase delay, cos(delay) u - sin(delay) u' / w0, makes of the rest.
+    // Effect of the phase delay, cos(delay) u - sin(delay) u' / w0, on the other terms.
     const double twice = motion.second_frequency / parameters_.resonator.angularFrequency();
     for (int axis = 0; axis < 2; ++axis) {
       const Complex delay = sense_delay_[axis];
@@ -278,7 +278,7 @@ class PlantSimulator::Implementation {
            command_.reference_frequency * converter_.samplePeriod() * static_cast<double>(sample);
   }
 
-  // The converter's volts over the block as they reach the axes of the ring.
+  // The converter's voltages over the block, as they act on the axes of the ring.
   void holdDrive() {
     const DriveParameters& p = parameters_.drive;
     const Eigen::Vector2cd start =
@@ -289,7 +289,7 @@ class PlantSimulator::Implementation {
       AlignedVector& volts = axis == 0 ? drive_x_ : drive_y_;
       std::fill(volts.begin(), volts.end(), 0.0);
       addPhasor(start[axis].real(), start[axis].imag(), step, padded_, volts.data());
-      // Behind the block nothing is clipped.
+      // Padding after the block must not be clipped.
       std::fill(volts.data() + samples_, volts.data() + padded_, 0.0);
       clipped += dac_.convert(volts.data(), padded_);
       if (p.noise_density > 0.0) {
@@ -304,8 +304,8 @@ class PlantSimulator::Implementation {
     }
   }
 
-  // White force over a block, spread by the vibration over displacement and velocity, less what the
-  // damping takes of it until the block's end.
+  // Effect of a white force over a block: the vibration distributes it over displacement and
+  // velocity, and the damping reduces it until the block's end.
   void kickByNoise() {
     if (force_density_ == 0.0) return;
     const double velocity = velocity_kick_;
@@ -319,7 +319,7 @@ class PlantSimulator::Implementation {
     if (p.axes.misalignment != 0.0) {
       applyAxisErrors({0.0, 0.0, sense_alignment_.data()}, padded_, x_.data(), y_.data());
     }
-    // The gap of an electrode is that in its own direction.
+    // The gap of an electrode depends on the displacement in its own direction.
     if (p.cubic != 0.0 || !sense_scale_.isIdentity(0.0)) {
       applyAxisErrors({p.cubic, 0.0, sense_scale_.data()}, padded_, x_.data(), y_.data());
     }
@@ -336,7 +336,7 @@ class PlantSimulator::Implementation {
       noise_.addTo(y_.data(), samples_, sigma);
     }
     if (!adc_.ideal()) {
-      // Behind the block nothing saturates.
+      // Padding after the block must not saturate.
       std::fill(x_.data() + samples_, x_.data() + padded_, 0.0);
       std::fill(y_.data() + samples_, y_.data() + padded_, 0.0);
       block_.saturated_samples = static_cast<std::uint32_t>(adc_.convert(x_.data(), padded_) +
@@ -369,7 +369,7 @@ class PlantSimulator::Implementation {
   Eigen::Vector2cd drive_delay_;
   std::size_t samples_;  // of a block
   std::size_t padded_;   // to whole lanes
-  AlignedVector x_;      // displacements, then what the electronics make of them
+  AlignedVector x_;      // displacements, then the output of the electronics
   AlignedVector y_;
   AlignedVector drive_x_;  // held
   AlignedVector drive_y_;

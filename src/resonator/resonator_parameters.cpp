@@ -74,11 +74,11 @@ void ResonatorParameters::declare(ParameterTable& table) {
       .number("mu1", mu1, "1", Range::between(-1e-2, 1e-2), "stiffness mismatch along the axes")
       .number("mu2", mu2, "1", Range::between(-1e-2, 1e-2), "stiffness mismatch across the axes")
       .number("drive_gain", drive_gain, "1/s^2", Range::atLeast(0.0),
-              "ks, drive volt to sensed acceleration; 0: from the capacitors")
+              "ks, sensed acceleration per drive volt; 0: from the capacitors")
       .number("angular_gain", angular_gain, "1", Range::between(0.0, 1.0),
               "k, Bryan factor: precession per rotation")
       .number("cubic_stiffness", cubic_stiffness, "1/V^2", Range::between(-0.1, 0.1),
-              "stiffness grows by this times the squared displacement")
+              "relative increase of the stiffness per squared displacement")
       .number("thermal_noise_density", thermal_noise_density, "V/sqrt(Hz)", Range::atLeast(0.0),
               "thermo-mechanical force noise, referred to the drive, one-sided")
       .number("bias_voltage", bias_voltage, "V", Range::atLeast(0.0),

@@ -133,13 +133,13 @@ const BlockMotion& RingResonator::propagate(const ForcedMotion& steady, double p
   return motion_;
 }
 
-// Power series of both slow motions in the frame that turns with w0: the free one with e^{step},
-// the forced one with e^{i drift}. Fills the series of the samples and gives the sum at the block's
-// end. In plain real numbers: it is the longest chain of operations of a block.
+// Power series of both slow motions in the frame that turns with w0: the free motion with e^{step},
+// the forced motion with e^{i drift}. Fills the series of the samples and gives the sum at the
+// block's end. Uses real numbers for speed: this is the longest chain of operations of a block.
 Eigen::Vector2cd RingResonator::expand(const Eigen::Vector2cd& free, const Eigen::Vector2cd& forced,
                                        double drift) {
   constexpr double kSampleShare = 1e-13;  // squared below; of the motion
-  constexpr double kEndShare = 1e-17;     // the state adds up its errors
+  constexpr double kEndShare = 1e-17;     // errors of the state accumulate
   const double w0 = parameters_.angularFrequency();
   const double duration = motion_.duration;
   const double slip = angular_frequency_ - w0;

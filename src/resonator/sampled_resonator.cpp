@@ -15,7 +15,7 @@ SampledResonator::SampledResonator(const ResonatorParameters& parameters, double
 void SampledResonator::setLinear(const RingResonator& resonator) {
   if (taken_conditions_ == resonator.conditionChanges()) return;
   taken_conditions_ = resonator.conditionChanges();
-  // A held drive f moves the ring about its rest u_f: u -> flow (u - u_f) + u_f.
+  // A held drive f moves the ring about its rest position u_f: u -> flow (u - u_f) + u_f.
   Eigen::Matrix<double, 4, 2> rest_per_volt = Eigen::Matrix<double, 4, 2>::Zero();
   rest_per_volt.topRows<2>() = resonator.compliance();
   half_ = resonator.flow(0.5 * step_);
@@ -27,7 +27,8 @@ void SampledResonator::setLinear(const RingResonator& resonator) {
 
 void SampledResonator::setGapNodes(const RingResonator& resonator,
                                    const Eigen::Matrix<double, 4, 2>& rest_per_volt) {
-  // Gauss-Legendre, three nodes: they lie symmetrically, so the way on from one is that to another.
+  // Gauss-Legendre, three nodes. They are symmetric, so the flow from the start to one node is also
+  // the flow from the opposite node to the end.
   const double spread = 0.5 * std::sqrt(0.6);
   const double nodes[3] = {0.5 - spread, 0.5, 0.5 + spread};
   const double weights[3] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
@@ -54,7 +55,7 @@ void SampledResonator::setGapNodes(const RingResonator& resonator,
 void SampledResonator::moveHeld(Eigen::Vector4d& state, const double* drive_x,
                                 const double* drive_y, std::size_t count,
                                 const Eigen::Vector2d& delays, double* x, double* y) const {
-  // In displacements and velocities over w0, which are of one size.
+  // With displacements and velocities / w0, which are of similar size.
   const double w0 = parameters_.angularFrequency();
   const Eigen::Vector4d balance(1.0, 1.0, 1.0 / w0, 1.0 / w0);
   LinearRecurrence recurrence;

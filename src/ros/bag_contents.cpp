@@ -10,7 +10,7 @@
 namespace ring_gyro::bridge {
 namespace {
 
-/// Connections by id; the first record of each counts.
+/// Connections by id; the first record of each is used.
 using Connections = std::map<std::uint32_t, BagConnection>;
 
 bool takeConnection(const BagRecord& record, Connections& connections) {
@@ -39,7 +39,7 @@ void count(Connections connections, BagContents& contents) {
   }
 }
 
-/// Record after record of what the index is made of; whatever does not fit ends it.
+/// Reads the records of the index; a record that does not fit ends the reading.
 class IndexReader {
  public:
   explicit IndexReader(const std::string& path) : file_(path) {}
@@ -75,8 +75,8 @@ class IndexReader {
   }
 
  private:
-  // The extent of a chunk as its info has it covers topics that nobody may want, and not each
-  // writer gets it right: that of its index records is exact.
+  // The time range in the chunk's info also covers unused topics, and some writers get it wrong.
+  // The range of its index records is exact.
   void readChunk(BagChunk& chunk, std::uint32_t shares,
                  const std::function<void(std::uint32_t, const ros::Time&)>& on_entry) {
     require(file_.seek(chunk.position) && file_.takeHeader(header_, length_) &&
@@ -157,7 +157,7 @@ BagScan contentsByScan(const std::string& path) {
   while (file.rest() > 0) {
     const std::uint64_t begin = file.position();
     std::uint32_t length = 0;
-    // Each record says what it is.
+    // Each record contains its type.
     if (!file.takeHeader(header, length) || length > file.rest() ||
         BagFields(header).op() == BagOp::kNone) {
       file.seekChunk(begin + 1);
@@ -205,7 +205,7 @@ std::string bagEncryptor(const std::string& path) {
     if (!file.takeHeader(header, data_length)) return "";
     return std::string(BagFields(header).get("encryptor"));
   } catch (const std::runtime_error&) {
-    return "";  // what is wrong with it, others say
+    return "";  // its faults are reported elsewhere
   }
 }
 

@@ -72,7 +72,7 @@ std::string BagFile::lost(const BagLoss& loss) const {
 
 void BagFile::read(const BagSinks& sinks, const ros::Time& from, const ros::Time& to) {
   const ChunkMerge::Outcome outcome = ChunkMerge(path_, contents_, sinks, from, to).run();
-  // Without an index the scan has said so already.
+  // Without an index the scan has already reported it.
   if (!has_index_ || outcome.loss.bytes == 0) return;
   const std::string text = lost(outcome.loss);
   if (damage_.empty() || damage_.back() != text) damage_.push_back(text);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kBatchBytes = 128 * 1024;
 
-/// Of a message in a batch, whose bytes follow.
+/// Header of a message in a batch; the bytes of the message follow.
 struct BatchEntry {
   bool is_elements;
   std::uint32_t size;
@@ -44,8 +44,8 @@ void forEach(Batch& batch, OnMessage on_message) {
   }
 }
 
-/// Reads bags in a thread of its own, which leaves the messages as they are: to find and to
-/// decompress them takes longer than to identify from them.
+/// Reads bags in a separate thread, without deserialising the messages, because finding and
+/// decompressing the messages takes longer than identifying from them.
 class BagReader {
  public:
   BagReader(std::vector<LoopBag>& bags, const ros::Time& from, const ros::Time& to)
@@ -58,7 +58,7 @@ class BagReader {
   BagReader& operator=(const BagReader&) = delete;
 
   bool take(Batch& batch) { return batches_.take(batch); }
-  /// Once take() has said false. Throws what reading threw.
+  /// To be called after take() has returned false. Throws what the reading threw.
   void finish() {
     thread_.join();
     if (error_) std::rethrow_exception(error_);
@@ -102,7 +102,7 @@ BagIdentification::BagIdentification(const std::vector<std::string>& paths,
                                      cvg::LoopConfiguration configuration,
                                      BagIdentificationOptions options)
     : configuration_(std::move(configuration)), options_(std::move(options)) {
-  // What is wrong with the configuration is said before bags are opened.
+  // Report faults of the configuration before bags are opened.
   const StreamIdentifier trial(configuration_, {});
   for (const std::string& path : paths) bags_.emplace_back(path, options_.topics);
   if (bags_.empty()) throw BagError("no bag to identify from");

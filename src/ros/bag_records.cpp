@@ -142,7 +142,7 @@ void BagRecordFile::seekChunk(std::uint64_t from) {
     block.resize(std::min<std::uint64_t>(kBlock + kFirstField.size() - 1, size_ - begin));
     file_.read(&block[0], static_cast<std::streamsize>(block.size()));
     const std::size_t found = block.find(kFirstField);
-    // Before it stand its own length and that of the header.
+    // The two lengths, of the field and of the header, are before it.
     if (found == std::string::npos || begin + found < from + 8) continue;
     seek(begin + found - 8);
     return;
@@ -163,7 +163,7 @@ ChunkState takeChunk(BagRecordFile& file, const std::string& header, std::uint32
                      std::string& packed, std::string& chunk) {
   const BagFields fields(header);
   std::uint32_t size = 0;
-  // A recorder fills in the lengths when the chunk is full: the one it was at has none.
+  // A recorder writes the lengths when a chunk is full, so its last chunk may have none.
   if (fields.op() != BagOp::kChunk || !fields.number("size", size) || size > kLargestChunk ||
       data_length > kLargestChunk || (data_length == 0 && size == 0)) {
     return ChunkState::kNoHeader;

@@ -15,14 +15,14 @@
 namespace ring_gyro::bridge {
 namespace {
 
-constexpr double kLargestAmplitude = 1e3;         // a displacement of more volts is in another unit
-constexpr double kLeastAngle = 0.01;              // a pattern that covers less stands [rad]
+constexpr double kLargestAmplitude = 1e3;         // a larger displacement is not in volt
+constexpr double kLeastAngle = 0.01;              // a pattern that covers less is at rest [rad]
 constexpr double kLargestAngleStep = 1.0;         // of theta in one block [rad]
-constexpr double kLargestTimeOffset = 1.0;        // of the header against bag time [s]
-constexpr double kLargestDelayBlocks = 31.0;      // what the identifier remembers
+constexpr double kLargestTimeOffset = 1.0;        // header stamp minus bag time [s]
+constexpr double kLargestDelayBlocks = 31.0;      // limit of the identifier
 constexpr double kLargestPhase = 2.0 * cvg::kPi;  // |phi| beyond is not in rad
 
-/// How often something was seen, and where first.
+/// Number of occurrences, and the place of the first.
 struct Tally {
   std::uint64_t count = 0;
   cvg::BlockStamp first;
@@ -48,7 +48,7 @@ struct Span {
   double width() const { return highest - lowest; }
 };
 
-/// Whether each session goes up to the block that its plant announced as the last.
+/// Checks that each session reaches the block that its plant announced as the last.
 class EndCheck {
  public:
   void add(const cvg::BlockStamp& stamp) {
@@ -123,7 +123,7 @@ class StampCheck {
   Tally gaps_, back_, sessions_, left_, duplicates_, zero_, spacing_, offset_;
 };
 
-/// Numbers that cannot be, by field and reason.
+/// Impossible numbers, by field and reason.
 class NumberCheck {
  public:
   void add(const MessageFault& fault, const cvg::BlockStamp& stamp) {
@@ -139,7 +139,7 @@ class NumberCheck {
   std::map<std::string, Tally> tallies_;
 };
 
-/// What pairs of elements and gains say of the motion.
+/// Checks the motion from pairs of elements and gains.
 class MotionCheck {
  public:
   void add(const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {

@@ -9,7 +9,7 @@ namespace ring_gyro::bridge {
 BagWriter::BagWriter(const std::string& path)
     : output_(path, ".active", cvg::OutputFile::Access::kSeeking),
       bag_(std::make_unique<rosbag::Bag>()) {
-  // By its descriptor: nobody can put another file in the place of that name.
+  // Opened by its descriptor, so that no other file under this name can be written instead.
   const std::string file = "/proc/self/fd/" + std::to_string(output_.descriptor());
   guarded([&] { bag_->open(file, rosbag::bagmode::Write); });
   bag_->setCompression(rosbag::compression::LZ4);
@@ -44,9 +44,9 @@ void BagWriter::discard() noexcept {
   output_.discard();
   messages_ = 0;
   try {
-    close();  // into a file that has no name any more
+    close();  // the file has no name any more
   } catch (const std::exception&) {
-    // It is gone anyway.
+    // The file is deleted anyway.
   }
 }
 
@@ -59,8 +59,8 @@ void BagWriter::require(const std::string& topic, const ros::Time& stamp) {
 }
 
 void BagWriter::giveUp(int reason, const std::string& what) {
-  // A bag that could not write throws when it is closed too, and its destructor closes: that would
-  // end the program. There is no other way to be rid of one than to let it be.
+  // After a failed write the bag also throws in close(), and its destructor calls close(): that
+  // would end the program. The only way out is not to destroy it.
   static_cast<void>(bag_.release());
   fail(reason != 0 ? cvg::writeFault(path(), reason) : path() + ": cannot be written: " + what);
 }

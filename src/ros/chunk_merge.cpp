@@ -18,7 +18,7 @@ ChunkMerge::ChunkMerge(const std::string& path, const BagContents& contents, con
     topics_.emplace_back();
     topics_.back().connection = connection;
     topics_.back().sink = &sink;
-    // Before the first message a View has the connections in order, the last in front.
+    // Before the first message a View has the connections in order, with the last one at the front.
     topics_.back().last_delivered = deliveries_++;
   }
   for (std::size_t chunk = 0; chunk < contents.chunks.size(); ++chunk) {
@@ -59,8 +59,8 @@ ChunkMerge::Topic* ChunkMerge::find(std::uint32_t connection) {
   return found != topics_.end() && found->connection == connection ? &*found : nullptr;
 }
 
-/// Whose message is next; nullptr: none is held. Of equal times View takes the connection that was
-/// served last.
+/// The topic with the next message; nullptr if none is held. For equal times View takes the
+/// connection that was served last.
 ChunkMerge::Topic* ChunkMerge::next() const {
   Topic* found = nullptr;
   for (Topic* const topic : active_) {
@@ -95,7 +95,7 @@ void ChunkMerge::openNext() {
   const Opening opening = openings_.top();
   openings_.pop();
   Pending& pending = pending_[opening.chunk];
-  if (!pending.open || pending.time != opening.time) return;  // postponed to an earlier time since
+  if (!pending.open || pending.time != opening.time) return;  // replaced by an earlier opening
   if (opening.time > horizon_) {
     delivered_ = horizon_;
     horizon_ = to_;
@@ -142,7 +142,7 @@ void ChunkMerge::open(std::size_t chunk, bool again) {
   }
 }
 
-/// Where the next chunk begins.
+/// Position at which the next chunk begins.
 std::uint64_t ChunkMerge::endOf(std::size_t chunk) const {
   const std::uint64_t position = contents_.chunks[chunk].position;
   std::uint64_t end = contents_.end_of_chunks;
@@ -168,7 +168,7 @@ void ChunkMerge::hold(const ChunkMessage& message, Topic& topic) {
   run.bytes.insert(run.bytes.end(), message.bytes.begin(), message.bytes.end());
 }
 
-/// What was taken of a chunk joins the rest of its connection.
+/// Adds the messages taken from a chunk to the others of their connection.
 void ChunkMerge::insert(Topic& topic, std::size_t chunk) {
   Run& run = *topic.fresh;
   run.chunk = chunk;
@@ -182,7 +182,7 @@ void ChunkMerge::insert(Topic& topic, std::size_t chunk) {
   std::push_heap(topic.runs.begin(), topic.runs.end(), later);
 }
 
-/// To be opened at `time`, or earlier when that has been said before.
+/// Schedules the chunk to be opened at `time`, unless an earlier time is already set.
 void ChunkMerge::postpone(std::size_t chunk, const ros::Time& time) {
   Pending& pending = pending_[chunk];
   if (pending.open && pending.time <= time) return;
@@ -219,7 +219,7 @@ void ChunkMerge::dropLaterHalf() {
                                [](const Topic* topic) { return topic->runs.empty(); }),
                 active_.end());
   spare_.clear();
-  // All at one time: no more can be dropped.
+  // All held messages have one time, so no more can be dropped.
   if (held_ > most_held_) most_held_ = 2 * held_;
 }
 

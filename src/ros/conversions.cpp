@@ -11,7 +11,7 @@
 namespace ring_gyro::bridge {
 namespace {
 
-/// The fields that all messages of a block have: end of the block, session, sequence, duration.
+/// The fields that all messages of a block share: end of the block, session, sequence, duration.
 template <typename Message>
 void stampToMessage(const cvg::BlockStamp& stamp, Message& message) {
   message.header.stamp = timeFromNanoseconds(stamp.end_ns);
@@ -47,7 +47,7 @@ static_assert(int{Places::A} == cvg::kA && int{Places::B} == cvg::kB &&
 
 bool isZero(const Eigen::Vector2cd& envelope) { return envelope[0] == 0.0 && envelope[1] == 0.0; }
 
-/// A log may know the whole drive and not what it is made of: then the whole stands as one part.
+/// A log may contain the whole drive but not its parts: then the whole is stored as one part.
 cvg::DriveContributions driveFromMessage(const ring_gyro::ControlGains& message) {
   cvg::DriveContributions drive;
   drive.sustain = envelopeFromMessage(message.sustain);

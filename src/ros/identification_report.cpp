@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kConstantAngle = 0.01;       // a pattern that covers less than this stands [rad]
+constexpr double kConstantAngle = 0.01;       // a pattern that covers less is at rest [rad]
 constexpr double kFrequencyTolerance = 5e-3;  // of the NCO against the configured f0, relative
 
 struct State {
@@ -38,7 +38,7 @@ std::string unusableText(const cvg::BlockUseCounts& uses) {
   return text;
 }
 
-/// Messages that lost their partner, other than where recording began and ended.
+/// Messages that lost their partner, except where recording began and ended.
 std::uint64_t aloneWithin(const IdentificationReport& report) {
   return report.pairs.elements_alone + report.pairs.gains_alone - report.alone_at_start -
          report.alone_at_end;
@@ -86,7 +86,7 @@ Json jsonOf(const cvg::Parameter& parameter) {
   return std::visit([](const auto& target) { return Json(*target); }, parameter.target);
 }
 
-/// What the filter was told; the rest of a configuration has no part in it.
+/// The settings that affect the filter; the rest of a configuration does not.
 Json settingsJson(const cvg::LoopConfiguration& configuration) {
   static const std::set<std::string> kUsed = {"converter", "device", "identification"};
   cvg::LoopConfiguration copy = configuration;
@@ -117,7 +117,7 @@ Json countsJson(const IdentificationReport& report) {
                  {"new_sessions", report.elements.new_sessions},
                  {"filter_restarts", report.filter_restarts},
                  {"not_delivered", report.not_delivered}};
-  // What is rare is there when it occurred.
+  // Rare counts are written only if they are not zero.
   const auto addIfAny = [](Json& to, const char* key, std::uint64_t count) {
     if (count > 0) to[key] = count;
   };

@@ -17,7 +17,7 @@ void take(const SerialisedMessage& serialised, Message& message) {
   ros::serialization::deserialize(stream, message);
 }
 
-/// Whether bytes are long enough for their type: its frame_id is all that has no fixed length.
+/// Whether the bytes are long enough for their type; only frame_id has no fixed length.
 class WholeMessage {
  public:
   bool operator()(const SerialisedMessage& message) const {
@@ -41,7 +41,7 @@ std::string withoutSlash(const std::string& topic) {
   return !topic.empty() && topic[0] == '/' ? topic.substr(1) : topic;
 }
 
-/// "/ns/orbital_elements" is a topic by the name "orbital_elements".
+/// "/ns/orbital_elements" is a topic with the name "orbital_elements".
 bool hasName(const std::string& topic, const std::string& name) {
   return topic == name || (topic.size() > name.size() &&
                            topic.compare(topic.size() - name.size(), name.size(), name) == 0 &&

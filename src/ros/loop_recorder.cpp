@@ -10,7 +10,7 @@ LoopRecorder::LoopRecorder(const std::string& path, bool raw) : writer_(path), r
 template <typename Message>
 void LoopRecorder::write(const char* topic, Message& message) {
   writer_.write(topic, message);
-  ++message.header.seq;  // counts, as that of a publisher does
+  ++message.header.seq;  // counts like that of a publisher
 }
 
 void LoopRecorder::write(const cvg::LoopRecord& record) {

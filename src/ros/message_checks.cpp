@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kLargest = 1e12;  // the identifier's limit: no square of it overflows later
 constexpr std::uint64_t kLongestBlock = 3'600'000'000'000;  // [ns]
-constexpr double kRounding = 1e-9;        // of the parts of a drive against their total, relative
-constexpr double kSmallestDrive = 1e-12;  // below it a difference is rounding too [V]
+constexpr double kRounding = 1e-9;        // of the total of a drive's parts, relative
+constexpr double kSmallestDrive = 1e-12;  // a smaller difference is also rounding [V]
 constexpr std::size_t kMostOrders = 64;   // harmonics of a calibration
 
 struct Field {
@@ -28,7 +28,7 @@ MessageFault impossible(const char* field, double value, const char* reason, con
           cvg::formatted("%s = %.9g %s; allowed: %s", field, value, reason, allowed)};
 }
 
-/// Of fields whose sum of magnitudes is not below the limit: which.
+/// Finds the field at fault when the sum of magnitudes is not below the limit.
 MessageFault notFinite(const Field* fields, std::size_t size) {
   const Field* largest = fields;
   for (std::size_t i = 0; i < size; ++i) {
@@ -46,10 +46,10 @@ MessageFault notFinite(const Field* fields, std::size_t size) {
                          largest->value, kLargest)};
 }
 
-/// Fields that must be finite and of a size that can be squared.
+/// Checks fields that must be finite and small enough to be squared.
 template <std::size_t size>
 inline MessageFault faultOfNumbers(const Field (&fields)[size]) {
-  double sums[4] = {};  // side by side: no sum waits for the one before
+  double sums[4] = {};  // in parallel: no addition waits for the previous one
   for (std::size_t i = 0; i < size; ++i) sums[i % 4] += std::abs(fields[i].value);
   if ((sums[0] + sums[1]) + (sums[2] + sums[3]) < kLargest) return {};  // false for NaN
   return notFinite(fields, size);
@@ -68,7 +68,7 @@ std::string textOf(const Eigen::Vector2cd& envelope) {
 
 using Envelope = ring_gyro::Envelope;
 
-/// Of four parts and their total.
+/// Fault of the four parts and their total.
 MessageFault faultOfDrive(const ring_gyro::ControlGains& m) {
   const auto difference = [&m](double Envelope::*part, double& size, bool& any_part) {
     const double sustain = m.sustain.*part, quadrature = m.quadrature.*part;

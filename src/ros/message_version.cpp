@@ -7,15 +7,15 @@
 namespace ring_gyro::bridge {
 namespace {
 
-constexpr char kExtension[] = ".bag";  // rosbag fix writes to no other
+constexpr char kExtension[] = ".bag";  // rosbag fix writes no other
 
 bool isThere(const std::string& path) {
   struct stat status = {};
   return lstat(path.c_str(), &status) == 0;
 }
 
-/// "run.bag" gives "run_fixed.bag", or "run_fixed2.bag" when that is there: rosbag fix asks nobody
-/// before it replaces a file.
+/// "run.bag" gives "run_fixed.bag", or "run_fixed2.bag" if that exists, because rosbag fix replaces
+/// a file without asking.
 std::string freeName(const std::string& path) {
   const std::size_t length = sizeof kExtension - 1;
   const bool extended =

@@ -38,7 +38,7 @@ YAML::Node yamlFrom(XmlRpc::XmlRpcValue& value) {
   }
 }
 
-/// ROS runs nodes in a folder of its own, where nobody looks for a file.
+/// ROS runs nodes in a folder of its own, where a user would not look for a file.
 void requireWholePaths(const cvg::NodeParameters& node) {
   std::vector<std::string> faults;
   const auto check = [&faults](const char* key, const std::string& path) {

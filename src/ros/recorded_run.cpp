@@ -23,7 +23,7 @@ RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTop
   const ros::Time to = duration > 0.0 ? from + ros::Duration(duration) : ros::TIME_MAX;
 
   RecordedRun run;
-  // Rotation of the case by session and sequence, where there is one.
+  // Rotation of the case by session and sequence, if recorded.
   std::map<std::pair<std::uint32_t, std::uint64_t>, double> rotation;
   const auto on_truth = [&](const cvg::PlantTruth& truth) {
     if (truth.rotation_rate != 0.0) {
@@ -39,9 +39,9 @@ RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTop
   const auto asked_for = [&](const ros::Time& time) { return time >= from && time <= to; };
   for (LoopBag& bag : bags) {
     BagSinks truth;
-    RefusedMessages refused;  // the truth is only for comparison
+    RefusedMessages refused;  // not reported: the truth is only for comparison
     addSignals<ring_gyro::PlantTruth, cvg::PlantTruth>(bag.file(), on_truth, truth, refused);
-    // The truth is that of the whole run, whatever part is asked for.
+    // The truth is read from the whole run, whatever part is requested.
     const bool in_part = truth.empty();
     bag.read(
         [&](const ring_gyro::OrbitalElements& message, const ros::Time& time) {

@@ -17,7 +17,7 @@ void addRunEnds(const BagFile& bag, RunEnds& ends, BagSinks& sinks) {
         ros::serialization::deserialize(stream, end);
         ends[end.session] = end.last_sequence;
       } catch (const ros::serialization::StreamOverrunException&) {
-        // Damaged: no end was said here.
+        // Damaged message: counts as no announced end.
       }
     };
   }

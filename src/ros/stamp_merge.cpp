@@ -36,7 +36,7 @@ void StampMerge::flush() {
   for (Queue* next = first(); next != nullptr; next = first()) goOn(*next);
 }
 
-/// Whose front is the earliest of all that waits; nullptr: nothing does.
+/// The queue with the earliest waiting message; nullptr if no message waits.
 StampMerge::Queue* StampMerge::first() {
   Queue* found = nullptr;
   for (Queue& queue : queues_) {
@@ -48,7 +48,7 @@ StampMerge::Queue* StampMerge::first() {
   return found;
 }
 
-/// Whether no other topic can still send what comes before the front of this one.
+/// Whether no other topic can still send a message before the front of this queue.
 bool StampMerge::mayGoOn(const Queue& queue) const {
   const Place& place = queue.waiting.front().place;
   return std::all_of(queues_.begin(), queues_.end(), [&place](const Queue& other) {

@@ -66,7 +66,7 @@ void StreamIdentifier::process(const cvg::OrbitalElements& elements,
   sink_(*report_.estimate);
 }
 
-/// By the identifier's own rule: what it does not call usable it does not use.
+/// Counts by the identifier's own rule, so exactly the blocks that it uses count as usable.
 void StreamIdentifier::count(const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
   const cvg::BlockUse use = identifier_.lastUse();
   if (use == cvg::BlockUse::kUsable) report_.frequency_sum += gains.reference_frequency;

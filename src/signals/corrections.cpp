@@ -35,7 +35,7 @@ DrivePath DrivePath::of(const Eigen::Matrix2cd& matrix) {
 
 Eigen::Vector2cd Corrections::undistorted(const Eigen::Vector2cd& measured) const {
   if (!correct_pickoff || pickoff_cubic == 0.0) return measured;
-  // Newton's steps for the size r of the motion in r + 3/4 cubic r^3 = size of the measured one.
+  // Newton's steps for the amplitude r of the motion: r + 3/4 cubic r^3 = measured amplitude.
   constexpr int kSteps = 6;
   const double cubic = 0.75 * pickoff_cubic;
   Eigen::Vector2cd envelope = measured;
@@ -64,9 +64,9 @@ void Corrections::declare(ParameterTable& table) {
   table.flag("correct_pickoff", correct_pickoff, "undo the cubic of the pick-off")
       .flag("correct_phase", correct_phase, "advance the drive by drive_phase")
       .flag("correct_drive_gains", correct_drive_gains,
-            "turn the drive by the inverse of mismatch, skew and rotation")
+            "multiply the drive by the inverse of mismatch, skew and rotation")
       .flag("correct_phase_mismatch", correct_phase_mismatch,
-            "turn the drive by the inverse of their phases")
+            "multiply the drive by the inverse of their phases")
       .flag("cancel_damping", cancel_damping, "velocity feedback against gamma1 and gamma2")
       .flag("cancel_drift", cancel_drift, "steer against the drift that depends on the angle")
       .flag("map_angle", map_angle, "apply the angle map to the output angle")
@@ -97,9 +97,9 @@ void Corrections::declare(ParameterTable& table) {
       .numbers("drift_sine", drift.sine, "rad/s", Range::between(-10.0, 10.0),
                "drift of the pattern with sin(n theta), n = 1, 2, ...")
       .numbers("angle_map_cosine", angle_map.cosine, "rad", Range::between(-0.5, 0.5),
-               "output angle less theta, with cos(n theta), n = 1, 2, ...")
+               "output angle minus theta, with cos(n theta), n = 1, 2, ...")
       .numbers("angle_map_sine", angle_map.sine, "rad", Range::between(-0.5, 0.5),
-               "output angle less theta, with sin(n theta), n = 1, 2, ...");
+               "output angle minus theta, with sin(n theta), n = 1, 2, ...");
 }
 
 }  // namespace cvg

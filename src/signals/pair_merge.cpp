@@ -11,10 +11,10 @@ bool sameBlock(const BlockStamp& a, const BlockStamp& b) {
 
 }  // namespace
 
-/// Whether anything that waits is of this session.
+/// Whether any waiting signal is of this session.
 template <typename Signal>
 bool PairMerge::reached(const std::deque<Waiting<Signal>>& waiting, std::uint32_t session) {
-  // All of one session: no need to look at each.
+  // All are of one session: no need to check each.
   if (waiting.front().sessions == waiting.back().sessions) {
     return waiting.front().signal.stamp.session == session;
   }
@@ -55,7 +55,7 @@ void PairMerge::add(const OrbitalElements& elements) {
   merge();
 }
 
-/// The partner mostly waits already: then nothing has to be queued.
+/// Usually the partner already waits; then nothing has to be queued.
 void PairMerge::add(const ControlGains& gains) {
   if (!usable(gains_, gains)) return;
   if (gains_.waiting.empty() && !elements_.waiting.empty() &&

@@ -6,7 +6,7 @@ StampOrder TimeGuard::order(const BlockStamp& stamp) const {
   if (stamp.end_ns <= 0) return StampOrder::kZero;
   if (!started_) return StampOrder::kFirst;
   if (stamp.session != last_.session) {
-    // A bag that loops begins the session again; what goes on in it is another plant's.
+    // A bag that loops begins the session again; if the session continues, a second plant sends it.
     const bool goes_on = left_any_ && stamp.session == left_.session &&
                          stamp.sequence >= left_.sequence && stamp.end_ns >= left_.end_ns;
     return goes_on ? StampOrder::kLeftSession : StampOrder::kNewSession;

@@ -16,14 +16,15 @@
 namespace cvg {
 namespace {
 
-constexpr double kLockTime = 30.0;  // allowed for ring-up and lock, in decay times and at least [s]
+constexpr double kLockTime =
+    30.0;  // limit for ring-up and lock: decay times, but at least this [s]
 
 struct Run {
   std::vector<AngleSample> output;
   std::vector<double> true_theta;  // at the times of `output` [rad]
 };
 
-/// Time in which the pattern makes the turn and a quarter that the harmonics need [s].
+/// Time in which the pattern makes a turn and a quarter, which the harmonics need [s].
 double turnTime(const LoopConfiguration& configuration, double rate) {
   const double pattern_rate = configuration.plant.resonator.angular_gain * std::abs(rate);
   if (pattern_rate > 0.0) return 1.25 * kTwoPi / pattern_rate;
@@ -49,7 +50,7 @@ Run turn(const LoopConfiguration& configuration, double time,
     const bool usable = elements.status.usable();
     settled = usable ? settled + block : settled;
     if (usable && settled > settling) {
-      // Elements are a group delay old; the truth is that of the end of the block.
+      // Elements are a group delay old; the truth is of the end of the block.
       const double back = elements.group_delay / block;
       run.output.push_back({elements.stamp.end() - elements.group_delay, elements.angle});
       run.true_theta.push_back(truth + back * (before - truth));
@@ -67,7 +68,7 @@ Run turn(const LoopConfiguration& configuration, double time,
 AngleHarmonics angleError(const std::vector<const Run*>& runs) {
   constexpr int kOrders = RateHarmonics::kCount;
   constexpr int kTerms = 2 * kOrders;
-  // One unknown offset for each run: angles count from where they began.
+  // One unknown offset per run, because each run counts angles from its own start.
   const Eigen::Index unknowns = kTerms + static_cast<Eigen::Index>(runs.size());
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);

@@ -6,7 +6,7 @@
 namespace cvg {
 namespace {
 
-// A parameter server carries 32-bit integers and message stamps unsigned 32-bit seconds.
+// A parameter server has 32-bit integers, and message stamps have unsigned 32-bit seconds.
 constexpr double kLargestInteger = 2147483647.0;
 
 template <typename Parameters>
@@ -42,13 +42,12 @@ void RunParameters::declare(ParameterTable& table) {
   table
       .number("duration", duration, "s", Range::between(0.0, 1e9),
               "simulated time of the run; 0: until stopped")
-      .integer("seed", seed, Range::between(0.0, kLargestInteger), "of all noise")
-      .integer(
-          "session", session, Range::between(0.0, kLargestInteger),
-          "tells one start of the plant from another, a plant node that is started again takes "
-          "the next; 0: from the wall clock, which makes each run's messages its own")
+      .integer("seed", seed, Range::between(0.0, kLargestInteger), "seed of all noise")
+      .integer("session", session, Range::between(0.0, kLargestInteger),
+               "number of this start of the plant; a plant node that is started again uses the "
+               "next number; 0: from the wall clock, so that the messages of each run differ")
       .number("start_time", start_time, "s", Range::between(1e-9, 2e9),
-              "stamp of the start of the first block; never zero, which in ROS means no time");
+              "stamp of the start of the first block; not zero, because zero means no time in ROS");
 }
 
 Sections LoopConfiguration::sections() {

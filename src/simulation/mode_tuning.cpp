@@ -76,7 +76,7 @@ std::vector<TuningPass> tuneModes(LoopConfiguration configuration, const TuningO
     if (seen) seen(pass);
     if (pass.split < options.target_split) break;
     if (passes.size() > 1) {
-      // What the last change of voltages did, along its own direction.
+      // Effect of the last change of the voltages, along its own direction.
       const TuningPass& before = passes[passes.size() - 2];
       const Eigen::Vector2d change(pass.squares.along - before.squares.along,
                                    pass.squares.across - before.squares.across);

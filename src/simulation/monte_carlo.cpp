@@ -82,7 +82,7 @@ void runMonteCarlo(const MonteCarlo& batch, const std::vector<std::uint64_t>& in
                    std::size_t threads,
                    const std::function<void(const MonteCarloItem&)>& finished) {
   std::mutex mutex;
-  bool failed = false;  // what had gone on meanwhile is not told any more
+  bool failed = false;  // then items that still run are not reported
   parallelFor(indices.size(), threads, [&](std::size_t n) {
     const MonteCarloItem item = runMonteCarloItem(batch, indices[n]);
     const std::lock_guard<std::mutex> lock(mutex);

@@ -13,11 +13,11 @@ namespace {
 
 constexpr double kDriveRange = 10.0;       // [V]
 constexpr double kLowestBandwidth = 20.0;  // [Hz]
-constexpr double kWidestBandwidth = 60.0;  // what the delay of blocks of 1 ms allows [Hz]
-// What the loops may lag behind in b / a and in phi [rad] without losing the lock.
+constexpr double kWidestBandwidth = 60.0;  // limit due to the delay of 1 ms blocks [Hz]
+// Largest lag in b / a and in phi [rad] at which the loops stay locked.
 constexpr double kLag = 3e-3;
 
-/// Distributions of the standard library differ from one library to another.
+/// Own distributions, because those of the standard library differ between libraries.
 class Draw {
  public:
   explicit Draw(std::uint64_t index) : engine_(index) {}
@@ -83,7 +83,7 @@ LoopConfiguration randomDevice(const LoopConfiguration& base, std::uint64_t inde
                              &result.control.amplitude_loop, &result.control.angle_tracker}) {
     tuning->bandwidth = bandwidth;
   }
-  // Ring-up with the whole range, lock, then what is observed.
+  // Ring-up with the whole range, lock, then the observed time.
   result.run.duration = std::ceil(2.0 + 1.0 / decay + observed);
   return result;
 }

@@ -8,9 +8,9 @@
 namespace cvg {
 namespace {
 
-constexpr std::int64_t kStart = 1000000000;  // [ns]; any time but zero
+constexpr std::int64_t kStart = 1000000000;  // [ns]; any time except zero
 
-// The device on a bench: a drive phasor in, an envelope a block out.
+// The device on a bench. Input: a drive phasor. Output: one envelope per block.
 class OpenLoop {
  public:
   OpenLoop(const PlantParameters& plant, const ConverterParameters& converter,
@@ -95,7 +95,7 @@ RingDown recordRingDown(const PlantParameters& plant, const ConverterParameters&
                    seed + static_cast<std::uint64_t>(axis));
     const int ring_up = bench.blocks(sweep.settling);
     for (int n = 0; n < ring_up; ++n) bench.step(along(axis, sweep.drive), sweep.centre);
-    constexpr int kFilterBlocks = 4;  // whose windows reach back to the drive
+    constexpr int kFilterBlocks = 4;  // blocks whose filter windows still contain driven samples
     for (int n = 0; n < kFilterBlocks; ++n) bench.step(along(axis, 0.0), sweep.centre);
     std::vector<Eigen::Vector2cd> run;
     const int blocks = bench.blocks(sweep.ring_down_time);

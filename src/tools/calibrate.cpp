@@ -28,7 +28,7 @@ namespace options = boost::program_options;
 
 using Result = std::function<void(const cvg::CalibrationResult&)>;
 
-/// `found`: takes what there is so far, each time that there is more.
+/// `found` is called with the results so far, each time that there are more.
 cvg::CalibrationResult calibrate(const cvg::LoopConfiguration& configuration, const Result& found) {
   cvg::CalibrationRun run(configuration);
   ProgressBar progress(0.0);
@@ -50,7 +50,7 @@ cvg::CalibrationResult calibrate(const cvg::LoopConfiguration& configuration, co
   }
 }
 
-/// What was measured, SI units; the corrections themselves are in the YAML.
+/// The measured values in SI units; the corrections are in the YAML.
 nlohmann::json jsonOf(const cvg::CalibrationResult& result) {
   nlohmann::json json = {{"duration", result.duration},
                          {"steering_rate", result.steering_rate},

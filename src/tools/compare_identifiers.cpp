@@ -47,7 +47,7 @@ struct Arguments {
   double duration = 0.0;
 };
 
-/// Nothing when the program has already said what was asked (--help).
+/// Empty when the program has already printed what was requested (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   options::options_description description("compare_identifiers");
@@ -184,7 +184,7 @@ std::vector<Method> methods(const cvg::LoopConfiguration& configuration,
   return result;
 }
 
-/// Sizes of the errors as a person compares them: gamma, mu, ks and Q relative.
+/// Magnitudes of the errors for comparison: gamma, mu, relative ks, relative Q.
 using Sizes = std::array<double, 4>;
 
 Sizes sizes(const Figures& figures, double drive_gain, double quality) {
@@ -247,7 +247,7 @@ std::vector<Row> compare(const bridge::RecordedRun& run,
   return rows;
 }
 
-/// Root mean squares over the runs that gave a figure; time: the mean.
+/// Root mean squares over the runs that have a result; for the time, the mean.
 std::vector<Row> summarise(const std::vector<std::vector<Row>>& runs) {
   std::vector<Row> result = runs.front();
   for (std::size_t r = 0; r < result.size(); ++r) {
@@ -310,7 +310,7 @@ int run(const Arguments& arguments) {
 }  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
-  console_bridge::noOutputHandler();  // faults are said once, here
+  console_bridge::noOutputHandler();  // faults are reported once, here
   try {
     const auto arguments = ring_gyro::tools::parse(argc, argv);
     return arguments ? ring_gyro::tools::run(*arguments) : EXIT_SUCCESS;

@@ -8,15 +8,14 @@
 
 namespace ring_gyro::tools {
 
-/// The options by which every tool is told its configuration: --config FILE (repeated:
-/// later files override), --seed N and
-/// --set section/key=value.
+/// The options for the configuration of every tool: --config FILE (may be repeated: later files
+/// override), --seed N and --set section/key=value.
 class ConfigurationOptions {
  public:
   void addTo(boost::program_options::options_description& description);
 
-  /// To be called when the options have been parsed; `more_overrides` go before --seed. Throws
-  /// ConfigurationError, or boost::program_options::error when --config is missing.
+  /// To be called after the options have been parsed; `more_overrides` are applied before --seed.
+  /// Throws ConfigurationError, or boost::program_options::error when --config is missing.
   cvg::LoopConfiguration read(const std::vector<std::string>& more_overrides = {}) const;
 
  private:

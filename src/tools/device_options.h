@@ -8,13 +8,13 @@
 
 namespace ring_gyro::tools {
 
-/// The options by which a tool that reads bags is told what is not in them: --config FILE
-/// (repeated: later files override) or --preset NAME, and --set section/key=value.
+/// The options of tools that read bags, for values that are not in the bags: --config FILE (may be
+/// repeated: later files override) or --preset NAME, and --set section/key=value.
 class DeviceOptions {
  public:
   void addTo(boost::program_options::options_description& description);
 
-  /// To be called when the options have been parsed. Throws ConfigurationError, or
+  /// To be called after the options have been parsed. Throws ConfigurationError, or
   /// boost::program_options::error unless there is either a file or a preset.
   cvg::LoopConfiguration read() const;
 

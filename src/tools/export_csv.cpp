@@ -28,7 +28,7 @@ struct Arguments {
   std::string log_file;
 };
 
-/// Nothing when the program has already said what was asked (--help).
+/// Empty when the program has already printed what was requested (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   options::options_description description("export_csv");
@@ -79,7 +79,7 @@ void exportBag(const Arguments& arguments) {
   std::optional<std::uint32_t> session;
   std::uint64_t rows = 0;
   cvg::PairMerge merge([&](const cvg::OrbitalElements& elements, const cvg::ControlGains& gains) {
-    // A table has one time that grows: that of the first session.
+    // A table has one growing time, so it can contain only one session.
     if (session.value_or(elements.stamp.session) != elements.stamp.session) {
       throw std::runtime_error("holds several sessions; split it with rosbag filter");
     }

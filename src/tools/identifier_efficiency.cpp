@@ -1,6 +1,6 @@
-// How near the extended identifier comes to the posterior Cramer-Rao bound: many seeds of the
-// closed loop of a configuration with ideal electronics (noise and the drive's gain matrix may be
-// on).
+// Compares the errors of the extended identifier with the posterior Cramer-Rao bound: many seeds of
+// the closed loop of a configuration with ideal electronics (noise and the drive's gain matrix may
+// be on).
 //
 //   identifier_efficiency CONFIG.yaml SEEDS [section/key=value ...]
 
@@ -32,7 +32,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Calls `seen` with every block of a run: what the loops gave, and k Om.
+/// Calls `seen` with every block of a run: the output of the loops, and k Om.
 template <typename Seen>
 void runLoop(const cvg::LoopConfiguration& configuration, std::uint64_t seed, const Seen& seen) {
   cvg::PlantSimulator plant(configuration.plant, configuration.converter, seed, 1, 1000000000);
@@ -47,7 +47,7 @@ void runLoop(const cvg::LoopConfiguration& configuration, std::uint64_t seed, co
   }
 }
 
-/// Truth of the states, as far as the electronics are a gain matrix of the drive.
+/// Truth of the states, for electronics whose only error is a gain matrix of the drive.
 cvg::ExtendedVector truthOf(const cvg::ExtendedState& state,
                             const cvg::LoopConfiguration& configuration) {
   const cvg::ResonatorParameters ring = configuration.plant.resonator.tuned();

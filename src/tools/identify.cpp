@@ -55,13 +55,13 @@ struct Arguments {
   bridge::BagIdentificationOptions identification;
 };
 
-/// What became of one run.
+/// Result of one run.
 struct Outcome {
   std::optional<bridge::IdentificationResult> result;
   std::string error;
 };
 
-/// Nothing when the program has already said what was asked (--help).
+/// Empty when the program has already printed what was requested (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   double duration = 0.0;
@@ -119,7 +119,7 @@ class EstimateRecorder {
   ring_gyro::ParameterEstimate message_;
 };
 
-/// All the runs, each by itself, on as many threads as there are cores.
+/// All the runs, independently, on as many threads as there are cores.
 class Identification {
  public:
   Identification(const Arguments& arguments, const cvg::LoopConfiguration& configuration)
@@ -204,7 +204,7 @@ class Identification {
 };
 
 struct ExtendedReport {
-  std::string text;    // a table for people
+  std::string text;    // a printed table
   std::string misfit;  // as NisTally::misfit()
 };
 
@@ -295,7 +295,7 @@ int report(const std::vector<Outcome>& outcomes, const Arguments& arguments,
 
 int main(int argc, char** argv) {
   using namespace ring_gyro::tools;
-  console_bridge::noOutputHandler();  // faults are said once, here
+  console_bridge::noOutputHandler();  // faults are reported once, here
   try {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;

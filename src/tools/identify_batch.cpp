@@ -50,7 +50,7 @@ void addListed(const std::string& path, std::vector<std::string>& bags) {
   }
 }
 
-/// Nothing when the program has already said what was asked (--help).
+/// Empty when the program has already printed what was requested (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   std::string shard;
@@ -163,7 +163,7 @@ std::size_t run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace ring_gyro::tools;
-  console_bridge::noOutputHandler();  // what is wrong with a bag is in its line
+  console_bridge::noOutputHandler();  // the faults of a bag are in its line
   try {
     const std::optional<Arguments> arguments = parse(argc, argv);
     if (!arguments) return EXIT_SUCCESS;

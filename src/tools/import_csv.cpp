@@ -62,7 +62,7 @@ cvg::ImportOptions::GainTiming timingFrom(const std::string& name) {
   throw options::error("--gains " + name + " must be before, after or at");
 }
 
-/// Nothing when the program has already said what was asked (--help).
+/// Empty when the program has already printed what was requested (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   cvg::ImportOptions& import = arguments.import;
@@ -120,7 +120,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
     arguments.dialect.decimal = decimalFrom(values["decimal"].as<std::string>());
   }
   import.gain_timing = timingFrom(values["gains"].as<std::string>());
-  // Rows a second are counted, not turned into radians.
+  // The rate is rows per second, not converted to rad/s.
   if (const auto rate = quantity("sample-rate", cvg::Dimension::kAngularRate)) {
     const std::string& said = values["sample-rate"].as<std::string>();
     const bool counted = said.find_first_of("Hh") != std::string::npos;
@@ -147,7 +147,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
-/// A bag of elements and gains, which is there whole or not at all.
+/// A bag of elements and gains, which appears complete or not at all.
 class LogBag {
  public:
   explicit LogBag(const std::string& path) : writer_(path) {}
@@ -206,11 +206,11 @@ void printCounts(const cvg::ImportCounts& counts, const std::string& bag) {
   }
 }
 
-/// Blocks of another length than the presets have must be told to the identifier.
+/// The identifier must be told a block length that differs from that of the presets.
 void printIdentify(const cvg::LogImporter& importer, const std::string& bag) {
   constexpr double kUsualDuration = 1e-3;     // [s]
   constexpr double kUsualUpdatePeriod = 0.1;  // [s]
-  constexpr double kSamples = 1000.0;         // that stand for a block
+  constexpr double kSamples = 1000.0;         // per block, for the printed settings
   const double duration = 1e-9 * static_cast<double>(importer.blockDurationNanoseconds());
   std::printf("next       rosrun ring_gyro identify %s --config DEVICE.yaml", bag.c_str());
   if (duration != kUsualDuration) {

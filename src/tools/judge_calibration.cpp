@@ -1,4 +1,4 @@
-// rosrun ring_gyro judge_calibration: what a calibration is worth, on a simulated rate table.
+// rosrun ring_gyro judge_calibration: how good a calibration is, on a simulated rate table.
 
 #include <algorithm>
 #include <boost/program_options.hpp>
@@ -32,7 +32,7 @@ struct Case {
   cvg::LoopConfiguration configuration;
 };
 
-/// The calibration whole; then each of its parts switched off, then nothing of it.
+/// The whole calibration, then each of its parts switched off, then all of them.
 std::vector<Case> casesOf(const cvg::LoopConfiguration& whole, bool each_switch) {
   std::vector<Case> cases = {{"calibrated", whole}};
   if (!each_switch) return cases;
@@ -67,7 +67,7 @@ nlohmann::json jsonOf(const std::string& name, const cvg::CalibrationJudgement& 
           {"slope_error", judged.slope_error}};
 }
 
-/// Prints a row for each case and rate; the same as JSON, SI units.
+/// Prints a row for each case and rate; returns the same as JSON in SI units.
 nlohmann::json judge(const cvg::LoopConfiguration& whole, double time, bool each_switch) {
   nlohmann::json rows = nlohmann::json::array();
   std::printf("%-28s %13s %13s %13s %15s %17s %13s\n", "", "rate [deg/s]", "p-p + [deg/s]",
@@ -81,7 +81,7 @@ nlohmann::json judge(const cvg::LoopConfiguration& whole, double time, bool each
         judged = cvg::judgeCalibration(one.configuration, rate, time,
                                        [&](double done) { progress.show(done); });
       } catch (const std::exception& error) {
-        failure = error.what();  // slower than its own drift a gyroscope stands still
+        failure = error.what();  // for example: at a rate below its drift the pattern stops
       }
       progress.clear();
       if (!failure.empty()) {

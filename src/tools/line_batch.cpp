@@ -29,7 +29,7 @@ std::string contentOf(const std::string& path) {
   return content.str();
 }
 
-/// Adds the lines of a file; gives where the last whole one ends.
+/// Adds the lines of a file; returns the position at which the last complete line ends.
 std::size_t readLines(const std::string& program, const std::string& path, const LineCheck& check,
                       LinesByIndex& lines) {
   const std::string text = contentOf(path);

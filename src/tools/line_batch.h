@@ -12,38 +12,39 @@
 
 namespace ring_gyro::tools {
 
-// Batches whose items are numbers and whose results are one line of JSON each, {"index": n, ...}:
-// in shards, gone on with after a stop, and merged.
+// Batches whose items are numbers and whose results are one line of JSON each, {"index": n, ...}.
+// They can be sharded, resumed and merged.
 
-/// The whole lines of files, by index.
+/// The complete lines of files, by index.
 using LinesByIndex = std::map<std::uint64_t, std::string>;
 
-/// Throws why a line is none of this batch: nlohmann's exceptions when it is of another program, or
-/// std::runtime_error with the reason.
+/// Throws when a line is not of this batch: one of nlohmann's exceptions for a line of another
+/// program, or std::runtime_error with the reason.
 using LineCheck = std::function<void(std::uint64_t index, const nlohmann::ordered_json& line)>;
 
 /// Shard K of N from "K/N", K from 0 to N - 1; empty: all. Throws boost::program_options::error.
 void setShard(const std::string& text, cvg::ItemRange& range);
 
-/// The lines of several files as one, without duplicates and in order, in `output` unless that is
-/// empty. Throws std::runtime_error naming file and line where one is not of this kind, or differs
-/// from one with the same index.
+/// The lines of several files, without duplicates and in order; also written to `output` unless
+/// that is empty. Throws std::runtime_error, naming file and line, when a line is not of this kind
+/// or differs from another with the same index.
 LinesByIndex mergeLines(const std::string& program, const std::vector<std::string>& files,
                         const std::string& output, const LineCheck& check);
 
-/// The file of a batch that runs.
+/// The file of a running batch.
 class LineBatch {
  public:
-  /// What `path` holds counts as done with `resume`, a last line without its end aside; without it
-  /// there must be nothing. Throws std::runtime_error with one line: path, reason, mend.
+  /// With `resume` the lines in `path` count as done, except an incomplete last line. Without it
+  /// the file must not contain anything. Throws std::runtime_error with one line: path, reason,
+  /// remedy.
   LineBatch(const std::string& program, const std::string& path, bool resume,
             const LineCheck& check);
 
-  /// Those of the range that are not done.
+  /// The items of the range that are not done.
   std::vector<std::uint64_t> left(const cvg::ItemRange& range) const;
-  /// One line more, its end included; by one thread at a time.
+  /// Adds a line, including its line end; one thread at a time.
   void add(std::uint64_t index, const std::string& line);
-  /// All lines are on the disk.
+  /// Puts all lines on the disk.
   void finish() { file_.finish(); }
 
   const LinesByIndex& lines() const { return lines_; }
@@ -53,7 +54,7 @@ class LineBatch {
   LinesByIndex lines_;
 };
 
-/// One line, whatever bytes a path in a message has.
+/// The item as one line, for any bytes in its texts.
 std::string asLine(const nlohmann::ordered_json& item);
 
 }  // namespace ring_gyro::tools

@@ -7,20 +7,21 @@
 
 namespace ring_gyro::tools {
 
-/// A file that grows by whole lines while its one writer works; what is no file (pipe, terminal) is
-/// written into line by line. Throws std::runtime_error with one line: path, reason, mend.
+/// A file that grows by complete lines while its only writer works; an output that is not a file
+/// (pipe, terminal) is written line by line. Throws std::runtime_error with one line: path, reason,
+/// remedy.
 class LineFile {
  public:
-  /// Made when it is missing. A second writer is refused as long as this one is there.
+  /// Creates a missing file. A second writer is refused during the life of this object.
   explicit LineFile(const std::string& path);
 
   /// Whether it is a file, with lines that can be read again, rather than a pipe or a terminal.
   bool isFile() const { return regular_; }
   bool empty() const;
-  /// Drops what stands behind the first `length` bytes. Not for what is no file.
+  /// Keeps only the first `length` bytes. Only for files.
   void cutAt(std::size_t length);
   void add(const std::string& line);
-  /// All lines are on the disk.
+  /// Puts all lines on the disk.
   void finish();
 
  private:

@@ -41,7 +41,7 @@ struct Arguments {
   std::vector<std::string> merge;
 };
 
-/// Nothing when the program has already said what was asked (--help).
+/// Empty when the program has already printed what was requested (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   std::string shard;
@@ -78,7 +78,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
-/// Tells batches apart that must not be mixed: FNV-1a of every parameter but the seed's index.
+/// Identifies batches that must not be mixed: FNV-1a of every parameter except the seed's index.
 std::string fingerprint(const cvg::MonteCarlo& batch) {
   std::ostringstream text;
   text.precision(17);
@@ -165,7 +165,8 @@ cvg::MonteCarloItem itemOf(const Json& json) {
   return item;
 }
 
-/// Of one batch: all lines have the mark of one configuration, of `of` or else of the first.
+/// Checks that all lines have the fingerprint of one configuration: `of`, or that of the first
+/// line.
 LineCheck checkOf(const std::string& of = "") {
   return [batch = of](std::uint64_t /*index*/, const Json& json) mutable {
     itemOf(json);

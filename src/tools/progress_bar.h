@@ -5,26 +5,26 @@
 
 namespace ring_gyro::tools {
 
-/// How far a run is, on a terminal only; elsewhere it says nothing.
+/// Progress of a run, shown on a terminal only.
 class ProgressBar {
  public:
-  /// `total`: simulated time of the run, 0 when there is no end [s].
+  /// `total`: simulated time of the run [s]; 0: no end.
   explicit ProgressBar(double total);
-  /// `total` of something other than simulated time, such as "MB".
+  /// `total` in another unit than simulated time, for example "MB".
   ProgressBar(double total, std::string unit);
   ~ProgressBar() { clear(); }
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Cheap enough to be called for each block.
+  /// Fast enough to be called for each block.
   void show(double simulated) {
     if (visible_ && ++calls_ % kCallsPerLook == 0) draw(simulated);
   }
-  /// For steps that are few and long.
+  /// For a few long steps.
   void showNow(double simulated) {
     if (visible_) draw(simulated);
   }
-  /// For a run whose end becomes known by and by.
+  /// For a run whose total becomes known later.
   void setTotal(double total) { total_ = total; }
   void clear();
 

@@ -18,7 +18,7 @@
 namespace ring_gyro::tools {
 namespace {
 
-constexpr std::size_t kMostRows = 4000;  // more than a plot has columns of dots
+constexpr std::size_t kMostRows = 4000;  // more than the pixel columns of a plot
 
 /// Text of a CSV file: a line of names, then rows of numbers.
 class Table {
@@ -56,7 +56,7 @@ double phaseErrorInDegrees(const cvg::Orbit& orbit) {
 
 std::size_t rowStep(std::size_t count) { return std::max<std::size_t>(1, count / kMostRows); }
 
-// Extremes of each bin, so that no excursion is lost by thinning.
+// Extremes of each bin, so that thinning loses no excursion.
 std::string loopsCsv(const cvg::RunRecord& record) {
   Table table(
       "time_s,theta_deg,a_V,beta_s,alpha,frequency_Hz,locked,"
@@ -90,7 +90,7 @@ std::string loopsCsv(const cvg::RunRecord& record) {
   return table.text();
 }
 
-// Every block until a while after the loops have locked.
+// Every block until some time after the loops have locked.
 std::string ringUpCsv(const cvg::RunRecord& record, const cvg::RunSummary& summary) {
   Table table("time_s,a_V,b_over_a,phase_error_deg,frequency_Hz,locked");
   const double end = summary.ring_up_time ? std::min(2.0 * *summary.ring_up_time, 4.0) : 4.0;
@@ -168,7 +168,8 @@ std::string gainsCsv(const cvg::RunRecord& record) {
   return table.text();
 }
 
-// Of the sensed rate as it is (total), and less its dependence on the angle (residual).
+// Allan deviation of the sensed rate (total), and of the rate minus its dependence on the angle
+// (residual).
 std::string allanCsv(const cvg::RunRecord& record, const cvg::RunSummary& summary) {
   Table table("compensated,tau_s,total_deg_s,residual_deg_s,relative_sigma");
   for (const cvg::DriftResult* drift : {&summary.before, &summary.after}) {

@@ -1,4 +1,4 @@
-// rosrun ring_gyro simulate: the whole loop in this process, and a bag of it as the graph records.
+// rosrun ring_gyro simulate: the whole loop in this process; writes the same bag as the graph.
 
 #include <boost/program_options.hpp>
 #include <chrono>
@@ -27,7 +27,7 @@ namespace {
 
 namespace options = boost::program_options;
 
-volatile std::sig_atomic_t interrupted = 0;  // what a signal handler may touch
+volatile std::sig_atomic_t interrupted = 0;  // a type that a signal handler may write
 
 struct Arguments {
   ConfigurationOptions configuration;
@@ -43,13 +43,13 @@ struct Summary {
   std::optional<double> locked_after;  // [s]
   std::optional<cvg::ParameterEstimate> estimate;
   cvg::NisTally nis;
-  bool converged = false;  // the identifier has said so
+  bool converged = false;  // according to the identifier
   std::optional<cvg::CompensationDecision> decision;
   cvg::OrbitalElements elements;
   std::uint64_t messages = 0;
 };
 
-/// Nothing when the program has already said what was asked (--help, --parameters).
+/// Empty when the program has already printed what was requested (--help, --parameters).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   options::options_description description("simulate");

@@ -1,5 +1,4 @@
-// rosrun ring_gyro summarise_run: what a recorded run achieved, as tables, JSON and series for
-// plots.
+// rosrun ring_gyro summarise_run: results of a recorded run, as tables, JSON and series for plots.
 
 #include <boost/program_options.hpp>
 #include <cstdio>
@@ -38,7 +37,7 @@ struct Arguments {
   cvg::SummaryOptions summary;
 };
 
-/// Nothing when the program has already said what was asked (--help).
+/// Empty when the program has already printed what was requested (--help).
 std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   options::options_description description("summarise_run");
@@ -65,7 +64,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   return arguments;
 }
 
-/// Topics are told apart by type, so that namespaces and remapping do not matter.
+/// Topics are recognised by type, so that namespaces and remapping do not matter.
 cvg::RunRecord readBag(const std::string& path, bridge::RefusedMessages& refused) {
   bridge::BagFile bag(path);
   bag.requireWhole();
@@ -103,12 +102,12 @@ cvg::RunRecord readBag(const std::string& path, bridge::RefusedMessages& refused
   return record;
 }
 
-/// What a user may not overlook goes to standard error, a line each. Returns the exit status.
+/// Prints what a user must not overlook to standard error, a line each. Returns the exit status.
 int run(const Arguments& arguments) {
   std::vector<std::string> outputs = seriesFiles(arguments.csv_directory);
   outputs.push_back(arguments.json_file);
   cvg::requireApart(outputs, {arguments.bag_file});
-  // The JSON may go into the folder that is made for the series.
+  // Make the folder of the series first, because the JSON may be written there.
   if (!arguments.csv_directory.empty()) makeSeriesFolder(arguments.csv_directory);
   cvg::requireWritable(arguments.json_file);
   bridge::RefusedMessages refused;

@@ -1,4 +1,4 @@
-// rosrun ring_gyro validate_bag: what is wrong with recorded runs.
+// rosrun ring_gyro validate_bag: the faults of recorded runs.
 
 #include <console_bridge/console.h>
 
@@ -64,7 +64,7 @@ int run(int argc, char** argv) {
 }  // namespace ring_gyro::tools
 
 int main(int argc, char** argv) {
-  console_bridge::noOutputHandler();  // faults are said once, here
+  console_bridge::noOutputHandler();  // faults are reported once, here
   try {
     return ring_gyro::tools::run(argc, argv);
   } catch (const std::exception& error) {

@@ -18,8 +18,8 @@ struct AllanPoint {
 ///
 ///     sigma^2(tau) = mean over k of (angle[k + 2 m] - 2 angle[k + m] + angle[k])^2 / (2 tau^2),
 ///
-/// tau = m period, m growing by the same factor up to a third of the series. Empty when there are
-/// under three angles; throws std::invalid_argument when one is not finite or the period is not
+/// tau = m period, where m grows by a constant factor up to a third of the series. Empty for fewer
+/// than three angles. Throws std::invalid_argument when an angle is not finite or the period is not
 /// above zero.
 std::vector<AllanPoint> allanDeviation(const std::vector<double>& angles, double period,
                                        int points_per_octave = 4);
@@ -31,8 +31,8 @@ struct SampleStretch {
 };
 SampleStretch longestStretch(const std::vector<AngleSample>& samples, double period);
 
-/// What is left of the angle when the rate that belongs to each angle is taken away: theta less the
-/// integral of fit.rate(theta), from 0 at samples[stretch.first] [rad].
+/// The angle without the fitted rate: theta minus the integral of fit.rate(theta), starting from 0
+/// at samples[stretch.first] [rad].
 std::vector<double> angleResidual(const std::vector<AngleSample>& samples,
                                   const SampleStretch& stretch, const RateHarmonics& fit);
 

@@ -28,8 +28,8 @@ struct RateHarmonics {
   std::array<double, kCount> sine = {};    ///< of n theta at index n - 1 [rad/s]
   double peak_to_peak = 0.0;               ///< of the sum of the harmonics [rad/s]
   double residual_rms = 0.0;               ///< of the windows' rates about the fit [rad/s]
-  int whole_turns = 0;                     ///< that were used
-  double begin_time = 0.0;                 ///< of the samples that were used [s]
+  int whole_turns = 0;                     ///< number of turns used
+  double begin_time = 0.0;                 ///< of the samples used [s]
   double end_time = 0.0;                   ///< [s]
 
   double amplitude(int harmonic) const;  ///< harmonic from 1 to kCount [rad/s]
@@ -37,23 +37,24 @@ struct RateHarmonics {
   double rate(double theta) const;       ///< the whole fit [rad/s]
 };
 
-/// Fits the rate against the angle over the last whole turns of a series sampled at equal times.
+/// Fits the rate against the angle over the last whole turns of a series with a constant sampling
+/// period.
 ///
-/// Neighbouring windows of `window` seconds are averaged and differenced, so that white noise of
-/// the angle stays small. What is fitted to the difference is not the harmonics at one angle but
-/// their mean with the weights by which the true rate enters it (a triangle two windows wide, over
-/// the measured angles), so neither the window nor a rate that changes within it biases the result.
-/// Missing samples cost the windows that they lie in, nothing else.
+/// Neighbouring windows of `window` seconds are averaged and differenced, which reduces white noise
+/// of the angle. The true rate enters the difference with known weights (a triangle two windows
+/// wide, over the measured angles). The fit uses the mean of each harmonic with these weights, not
+/// its value at one angle. So neither the window nor a rate that changes within it biases the
+/// result. A missing sample removes only the windows that contain it.
 /// Throws std::invalid_argument when a sample is not finite, times do not grow, the window is under
-/// two samples, less than one whole turn was made, or windows are too few for the fit.
+/// two samples, there is less than one whole turn, or there are too few windows for the fit.
 RateHarmonics fitRateHarmonics(const std::vector<AngleSample>& samples, double window = 0.1);
 
-/// A window for the fit of these samples, which are `period` apart [s]: 0.1 s, or less where that
-/// is not short against a turn; two samples at least. There must be a sample.
+/// A window for the fit of these samples, which are `period` apart [s]: 0.1 s, or less if 0.1 s is
+/// not short compared with a turn; at least two samples. `samples` must not be empty.
 double windowOfTurns(const std::vector<AngleSample>& samples, double period);
 
-/// The rates of neighbouring windows by themselves, over all samples.
-/// Throws like fitRateHarmonics, but asks for no turn.
+/// The rates from neighbouring windows, without a fit, over all samples.
+/// Throws like fitRateHarmonics, but does not need a whole turn.
 std::vector<RateSample> windowedRates(const std::vector<AngleSample>& samples, double window = 0.1);
 
 }  // namespace cvg

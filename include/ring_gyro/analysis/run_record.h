@@ -14,9 +14,9 @@
 
 namespace cvg {
 
-/// What a run says of one block; a part that never came stays as it is here.
+/// The data of a run for one block; a part that never arrived keeps the default value.
 struct RunBlock {
-  std::int64_t end_ns = 0;  ///< 0: nothing came
+  std::int64_t end_ns = 0;  ///< 0: nothing arrived
   bool has_elements = false;
   bool has_gains = false;
   bool has_truth = false;
@@ -30,22 +30,22 @@ struct RunBlock {
   Orbit truth;  ///< theta in [-pi, pi]
 };
 
-/// One run in memory, about 0.2 kB a block: what the topics said, by block, in whatever order the
-/// topics came.
+/// One run in memory, about 0.2 kB per block: the data of the topics by block, whatever the order
+/// in which the topics arrived.
 class RunRecord {
  public:
-  /// Each throws std::invalid_argument when the message is of another session, or so far from the
-  /// others that it cannot be of the same run.
+  /// Each add() throws std::invalid_argument when the message is of another session, or so far from
+  /// the others that it cannot be of the same run.
   void add(const OrbitalElements& elements);
   void add(const ControlGains& gains);
   void add(const PlantTruth& truth);
   void add(const ParameterEstimate& estimate);
-  /// The plant has said which block was its last.
+  /// The plant has announced its last block.
   void end(std::uint32_t session, std::uint64_t last_sequence);
 
   const std::deque<RunBlock>& blocks() const { return blocks_; }
   const std::vector<ParameterEstimate>& estimates() const { return estimates_; }
-  /// The device as it was last.
+  /// The last known state of the device.
   const std::optional<PlantTruth>& device() const { return device_; }
 
   /// Time since the start of the first block [s].
@@ -54,11 +54,11 @@ class RunRecord {
   }
   double time(const RunBlock& block) const { return time(block.end_ns); }
   double blockDuration() const { return 1e-9 * static_cast<double>(duration_ns_); }  ///< [s]
-  /// Of the demodulator, as the elements said last [s].
+  /// Group delay of the demodulator, from the last elements [s].
   double groupDelay() const { return group_delay_; }
   std::uint32_t session() const { return session_; }
-  /// Whether the run goes on after what came: nobody said that it ended, or its last block is not
-  /// there.
+  /// Whether the record ends before the run does: no end was announced, or the announced last block
+  /// is missing.
   bool cut() const;
   /// Whether the case turned at any time.
   bool rotated() const { return rotated_; }

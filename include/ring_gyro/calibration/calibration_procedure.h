@@ -18,33 +18,34 @@
 
 namespace cvg {
 
-/// The experiment that calibrates a gyroscope, by itself: blocks in, settings of the loops out.
+/// The experiment that calibrates a gyroscope automatically. Input: blocks. Output: settings of the
+/// loops.
 ///
 /// Stage one, steering (a virtual rate): survey the drift and choose the rate; identify ring and
 /// drive path with the amplitude modulated, at both signs of the rate, correct, identify again;
-/// measure the drift against the angle at both signs, cancel its even part by steering, and again.
+/// measure the drift against the angle at both signs, cancel its even part by steering, and repeat.
 /// Stage two, on a rate table: measure the angle map at both signs of a true rotation. Then judge
-/// the result at rates of which none was tuned at. Without a table the map of a linear pick-off
+/// the result at rates that were not used before. Without a table the map of a linear pick-off
 /// error stays unknown and none is applied (docs/calibration.md).
 ///
-/// One command each period, in force a period after the data that it came from, so that scheduling
-/// cannot change a run.
+/// One command per period, which acts one period after the data that it was computed from, so that
+/// thread scheduling cannot change a run.
 class CalibrationProcedure {
  public:
-  /// `device`: as the loops were told. `initial`: corrections that are in force already.
-  /// `period_blocks`: blocks between commands. Throws std::invalid_argument naming what cannot be
-  /// used.
+  /// `device`: nominal values in the loops. `initial`: corrections that already act.
+  /// `period_blocks`: blocks between commands. Throws std::invalid_argument, naming a parameter
+  /// that cannot be used.
   CalibrationProcedure(const DeviceKnowledge& device, const CalibrationRunParameters& parameters,
                        const ExtendedParameters& identification,
                        const ConverterParameters& converter, std::int64_t period_blocks,
                        const Corrections& initial);
 
-  /// The next block; a command at each period's end.
+  /// The next block; gives a command at the end of each period.
   std::optional<CalibrationCommand> process(const OrbitalElements& elements,
                                             const ControlGains& gains);
 
-  /// Complete once a command said finished; until then it holds what has been found, from the first
-  /// identification on as a calibration that can be used, and names the stages that are missing.
+  /// Complete after a command with `finished`. Until then it contains the results so far and names
+  /// the missing stages; from the first identification on it is a usable calibration.
   const CalibrationResult& result() const { return result_; }
 
  private:
@@ -60,12 +61,12 @@ class CalibrationProcedure {
   struct Leg {
     Stage stage = Stage::kSurvey;
     std::string name;
-    std::string result;  // what it is a part of, for people
+    std::string result;  // the result that the leg is for, for display
     double virtual_rate = 0.0;
     double table_rate = 0.0;
     double settling = 0.0;    // [s]
     double duration = 0.0;    // after the settling [s]
-    double least_turn = 0.0;  // of the pattern after the settling, however long it takes [rad]
+    double least_turn = 0.0;  // least turn of the pattern after the settling [rad]
     bool second_of_pair = false;
   };
 
@@ -100,15 +101,15 @@ class CalibrationProcedure {
   std::optional<ExtendedIdentifier> identifier_;
   std::optional<ExtendedEstimate> estimate_;
 
-  std::deque<Leg> legs_;             // the front is under way
-  std::uint64_t leg_begin_ = 0;      // block from which its settings are in force
+  std::deque<Leg> legs_;             // the front is the present leg
+  std::uint64_t leg_begin_ = 0;      // block from which its settings act
   double settled_time_ = 0.0;        // usable time since then [s]
   double unusable_time_ = 0.0;       // since the last usable block [s]
   std::vector<AngleSample> theta_;   // pattern angle in the leg, settled
   std::vector<AngleSample> output_;  // output angle in the leg, settled
   bool passed_worst_angle_ = false;
   std::optional<RateHarmonics> forward_;  // of the first leg of a pair
-  Corrections corrections_;               // in force, with the gains that the loops were told
+  Corrections corrections_;               // that act, with the gains that the loops have
   std::string failure_;
   bool finished_ = false;
   CalibrationResult result_;

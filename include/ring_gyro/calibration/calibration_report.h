@@ -6,7 +6,7 @@
 
 namespace cvg {
 
-/// The result as tables for people, degrees and seconds.
+/// The result as printed tables, in degrees and seconds.
 std::string calibrationText(const CalibrationResult& result);
 
 }  // namespace cvg

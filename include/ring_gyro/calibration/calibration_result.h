@@ -10,7 +10,7 @@
 
 namespace cvg {
 
-/// A parameter of the device as the extended identifier found it.
+/// A parameter of the device found by the extended identifier.
 struct IdentifiedParameter {
   std::string name;
   double value = 0.0;
@@ -19,8 +19,8 @@ struct IdentifiedParameter {
 
 /// Drift against angle, measured by steering one way and the other.
 struct DriftRound {
-  AngleHarmonics measured;    ///< what the corrections in force left [rad/s]
-  AngleHarmonics total;       ///< with what they had cancelled [rad/s]
+  AngleHarmonics measured;    ///< drift left by the acting corrections [rad/s]
+  AngleHarmonics total;       ///< the same plus the drift that they cancel [rad/s]
   double peak_to_peak = 0.0;  ///< of `measured` [rad/s]
   double sigma = 0.0;         ///< of a coefficient of `measured`, from turn to turn [rad/s]
 };
@@ -32,29 +32,29 @@ struct Verification {
   double rate = 0.0;           ///< of the case, or of steering without a rate table [rad/s]
   double forward_peak = 0.0;   ///< harmonics of the output rate, peak to peak [rad/s]
   double backward_peak = 0.0;  ///< the same at the opposite rate [rad/s]
-  double forward_scale = 0.0;  ///< mean output rate over the commanded one, less one
+  double forward_scale = 0.0;  ///< mean output rate over the commanded rate, minus one
   double backward_scale = 0.0;
   AngleHarmonics drift;             ///< even part [rad/s]
   double drift_peak_to_peak = 0.0;  ///< [rad/s]
 };
 
-/// Whether the angle follows twice the rate threshold from the angle that is worst for it.
+/// Test whether the angle follows a rate of twice the threshold, starting at the worst angle.
 struct ThresholdTest {
-  double threshold = 0.0;    ///< rate of the case that the largest |drift| hides [rad/s]
+  double threshold = 0.0;    ///< rate of the case that the largest |drift| can hide [rad/s]
   double worst_angle = 0.0;  ///< [rad]
   double rate = 0.0;    ///< of the case in the test, twice the threshold against the drift [rad/s]
   double turned = 0.0;  ///< of the output angle [rad]
   double expected = 0.0;  ///< of a gyroscope without drift [rad]
-  /// It turned the right way, by half of what was expected at least.
+  /// It turned in the right direction, by at least half of the expected angle.
   bool followed() const { return turned * expected > 0.0 && turned / expected >= 0.5; }
 };
 
-/// Everything that a calibration run found.
+/// All results of a calibration run.
 struct CalibrationResult {
   Corrections corrections;  ///< with the gains of `device`
-  /// f0, Q and ks as identified; k from the rate table, without one as it was told.
+  /// f0, Q and ks as identified; k from the rate table, without one the nominal k.
   DeviceKnowledge device;
-  double steering_rate = 0.0;                   ///< that was chosen [rad/s]
+  double steering_rate = 0.0;                   ///< that the survey chose [rad/s]
   std::vector<IdentifiedParameter> parameters;  ///< of the last identification
   std::vector<DriftRound> drift_rounds;
   bool angle_map_measured = false;
@@ -62,7 +62,7 @@ struct CalibrationResult {
   std::vector<Verification> verifications;
   std::optional<ThresholdTest> threshold;
   double duration = 0.0;             ///< of the run [s]
-  std::vector<std::string> missing;  ///< stages that are still to come; empty: it is complete
+  std::vector<std::string> missing;  ///< stages not done yet; empty: the result is complete
 };
 
 }  // namespace cvg

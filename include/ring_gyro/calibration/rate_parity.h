@@ -5,8 +5,8 @@
 
 namespace cvg {
 
-/// Rates of the pattern against its angle at equal and opposite rotation: what does not change sign
-/// with the rotation is drift, what does is the scale of the angle.
+/// Rates of the pattern against its angle at equal and opposite rotation: the part that does not
+/// change sign with the rotation is drift, the part that does is the scale of the angle.
 
 /// Half the sum of both, constant and all orders: theta' with the case at rest [rad/s].
 AngleHarmonics evenPart(const RateHarmonics& forward, const RateHarmonics& backward);
@@ -14,7 +14,7 @@ AngleHarmonics evenPart(const RateHarmonics& forward, const RateHarmonics& backw
 /// Half the difference: theta' of a gyroscope without drift at the forward rate [rad/s].
 AngleHarmonics oddPart(const RateHarmonics& forward, const RateHarmonics& backward);
 
-/// Largest less smallest over a turn.
+/// Largest minus smallest value over a turn.
 double peakToPeak(const AngleHarmonics& function);
 
 /// Angle and value of the largest magnitude over a turn, the constant included.
@@ -24,13 +24,13 @@ struct Extreme {
 };
 Extreme largestMagnitude(const AngleHarmonics& function);
 
-/// What must be added to theta so that the sum turns evenly where theta turns at `odd_rate`
-/// [rad/s], with `orders` harmonics: the integral of the mean rate over the rate, less theta [rad].
-/// The rate must not change sign (std::invalid_argument).
+/// The function of theta that must be added to theta so that the sum turns at a constant rate while
+/// theta turns at `odd_rate` [rad/s], with `orders` harmonics: the integral of mean rate / rate,
+/// minus theta [rad]. Throws std::invalid_argument when the rate changes sign.
 AngleHarmonics angleMapOf(const AngleHarmonics& odd_rate, int orders);
 
-/// Turns of the pattern per turn in which it turned at `odd_rate`, over that of the case at
-/// `rotation_rate`: the angular gain k. Both [rad/s].
+/// Angular gain k: turns of a pattern that turns at `odd_rate` per turn of the case at
+/// `rotation_rate`. Both [rad/s].
 double angularGainOf(const AngleHarmonics& odd_rate, double rotation_rate);
 
 }  // namespace cvg

@@ -7,7 +7,7 @@
 
 namespace cvg {
 
-/// Clock of the converters and length of the blocks in which samples are handed on.
+/// Clock of the converters and length of the blocks of samples.
 struct ConverterParameters {
   double sample_rate = 200e3;        ///< [Hz]
   std::int64_t block_samples = 200;  ///< one block is one step of the loops
@@ -18,8 +18,8 @@ struct ConverterParameters {
   }
   /// [ns]; throws std::invalid_argument when the block is not a whole number of nanoseconds.
   std::int64_t blockDurationNanoseconds() const;
-  /// Blocks in a period [s]; throws std::invalid_argument, by the name of the period, when they are
-  /// not a whole number from 1.
+  /// Blocks in a period [s]. Throws std::invalid_argument, with `name`, unless this is a whole
+  /// number of at least 1.
   std::int64_t wholeBlocks(double period, const std::string& name) const;
 
   void declare(ParameterTable& table);

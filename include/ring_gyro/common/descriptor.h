@@ -22,7 +22,7 @@ class Descriptor {
 
   int number() const { return number_; }
   bool valid() const { return number_ >= 0; }
-  /// Closes, so that what close() says is not lost. Returns 0, or -1 with errno.
+  /// Closes now, so that an error of close() can be seen. Returns 0, or -1 with errno.
   int close() { return ::close(std::exchange(number_, -1)); }
 
  private:

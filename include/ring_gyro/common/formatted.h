@@ -4,7 +4,8 @@
 
 namespace cvg {
 
-/// As std::printf prints it, however long. Throws std::invalid_argument for what it cannot print.
+/// The text that std::printf would print, of any length. Throws std::invalid_argument if printing
+/// fails.
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif

@@ -6,9 +6,9 @@
 
 namespace cvg {
 
-/// The number that a text wholly is, spaces around it aside: decimal, or nan, inf or infinity. The
-/// nearest double, infinite when it is beyond the largest, whatever the locale. `decimal`: '.' or
-/// ','; the other one is no part of a number.
+/// The number in a text that contains nothing else but spaces around it: decimal, or nan, inf or
+/// infinity; otherwise nothing. Gives the nearest double (infinite beyond the largest double) in
+/// every locale. `decimal` is '.' or ','; the other character is not accepted in a number.
 std::optional<double> parseNumber(std::string_view text, char decimal = '.');
 
 /// The shortest decimal text that reads back as the same number.

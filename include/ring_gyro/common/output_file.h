@@ -7,41 +7,42 @@
 
 namespace cvg {
 
-/// Where one output of a program goes: what every writer of the package promises, once.
+/// One output of a program. Every writer of the package uses this class, so all follow these rules:
 ///
-/// - A file is there whole or not at all: it is written beside its place under a name of its own
-///   and renamed by finish() when it is on the disk. A link stays and its target is written.
-/// - What is no file (device, pipe, /dev/stdout) is written into and never replaced.
-/// - Of two writers of one file the second is refused. The lock (.NAME.lock beside the file) goes
-///   with the process that holds it, so one that was killed is in nobody's way.
-/// - A file keeps its permissions, a new one gets those of the umask.
+/// - A file appears complete or not at all: it is written in the same folder under a temporary
+///   name, and finish() renames it when it is on the disk. A link stays and its target is written.
+/// - Anything but a file (device, pipe, /dev/stdout) is written directly and never replaced.
+/// - Of two writers of one file the second is refused. The lock (.NAME.lock beside the file) ends
+///   with the process that holds it, so a killed process does not block later writers.
+/// - A file keeps its permissions; a new file gets those of the umask.
 ///
-/// Throws std::runtime_error with one line: path, reason, mend.
+/// Throws std::runtime_error with one line: path, reason, remedy.
 class OutputFile {
  public:
   enum class Access {
-    kSequential,  ///< front to back
-    kSeeking      ///< anywhere in it: what cannot seek gets the whole by finish()
+    kSequential,  ///< from beginning to end
+    kSeeking      ///< at any position; an output that cannot seek gets the whole text in finish()
   };
 
-  /// `suffix`: end of the name that the file has until it is whole.
+  /// `suffix`: end of the temporary name.
   OutputFile(std::string path, std::string suffix, Access access);
   ~OutputFile() { discard(); }
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// As it was given.
+  /// The path as given.
   const std::string& path() const { return path_; }
-  /// To write to.
+  /// The descriptor to write to.
   int descriptor();
-  /// The name that the file has until it is whole; empty where there is none.
+  /// The temporary name; empty if there is none.
   std::string temporary() const;
 
-  /// All that was written is there under its name, and on the disk.
+  /// Puts everything written on the disk under the final name.
   void finish();
-  /// Leaves what was written under its temporary name, for what has been cut short.
+  /// Leaves the file under its temporary name, for a run that was cut.
   void keep() noexcept;
-  /// Takes back what can be taken back. Nothing after finish() or keep().
+  /// Removes the temporary file; bytes already in a stream stay. No effect after finish() or
+  /// keep().
   void discard() noexcept;
 
  private:
@@ -55,10 +56,10 @@ class OutputFile {
   std::string path_;
   std::string suffix_;
   OutputTarget target_;
-  Descriptor folder_;  // of a file
-  Descriptor lock_;    // of a file
-  Descriptor stream_;  // what is no file
-  Descriptor file_;    // the temporary one, or what is copied into the stream
+  Descriptor folder_;  // of the file, if the output is a file
+  Descriptor lock_;    // of the file, if the output is a file
+  Descriptor stream_;  // if the output is not a file
+  Descriptor file_;    // the temporary file, or the text that finish() copies to the stream
   std::string lock_name_;
   std::string temporary_name_;
 };

@@ -6,10 +6,10 @@
 
 namespace cvg {
 
-/// What a path leads to as an output, links followed.
+/// The output that a path names, after following links.
 struct OutputTarget {
-  /// A regular file that is there or can be made; one that is written into and never replaced
-  /// (device, pipe, terminal); a descriptor of this very process (/dev/stdout, /dev/fd/3).
+  /// A regular file that exists or can be made; a stream, which is written directly and never
+  /// replaced (device, pipe, terminal); a descriptor of this process (/dev/stdout, /dev/fd/3).
   enum class Kind { kFile, kStream, kDescriptor };
 
   Kind kind = Kind::kFile;
@@ -18,13 +18,13 @@ struct OutputTarget {
   int descriptor = -1;
 };
 
-/// Follows relative and absolute links, chains of them, and one whose target is not there yet.
-/// Throws std::runtime_error with the line of writeFault: a folder, a circle of links.
+/// Follows relative and absolute links, chains of links, and a link whose target does not exist
+/// yet. Throws std::runtime_error with the line of writeFault for a folder or a circle of links.
 OutputTarget outputTarget(const std::string& path);
 
-/// Refuses, before anything is written, an output that is the same file as an input or as another
-/// output, however either is spelled: ./x, a link, a hard link. Names that are empty are passed
-/// over; so is what is no file to be destroyed (/dev/null, a terminal). Throws std::runtime_error.
+/// Throws std::runtime_error, before anything is written, if an output is the same file as an input
+/// or another output, even under another spelling: ./x, a link, a hard link. Ignores empty names
+/// and outputs that are not files (/dev/null, a terminal).
 void requireApart(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
 }  // namespace cvg

@@ -28,7 +28,7 @@ struct Range {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };
 
-/// One parameter: the only place where its name, unit, range and meaning stand.
+/// One parameter: the only place that gives its name, unit, range and meaning.
 /// Its default is the initialiser of the field that `target` points to.
 struct Parameter {
   /// An enumeration: its value k has the name names[k], and there are no others. *choice is the
@@ -46,13 +46,13 @@ struct Parameter {
   std::string unit;  ///< SI, "1" when dimensionless
   Range range;       ///< of numbers; of each element of a list
   std::string description;
-  bool required = false;  ///< it has no default: the configuration must name it
+  bool required = false;  ///< there is no default: the configuration must set it
 };
 
 /// The parameters of one section of the configuration (one struct of the core).
 ///
-/// Each core struct declares its fields here once; reading, checking, printing the reference page
-/// and writing a configuration file all work on the table.
+/// Each core struct declares its fields here once. The code that reads, checks and writes a
+/// configuration and the code that prints the reference page use this table.
 class ParameterTable {
  public:
   ParameterTable& number(std::string key, double& target, std::string unit, Range range,
@@ -83,13 +83,13 @@ class ParameterTable {
   std::vector<Parameter> parameters_;
 };
 
-/// Throws std::invalid_argument with a line for each number of the table, those in lists too, that
-/// is not in its range, and each choice that is none; `prefix` stands before the keys: "extended/",
-/// "--".
+/// Throws std::invalid_argument with a line for each number of the table that is out of its range
+/// (also in lists), and for each invalid choice. `prefix` is printed before the keys, for example
+/// "extended/" or "--".
 void requireInRange(const ParameterTable& table, const std::string& prefix);
 
-/// `parameters` themselves when each value of their table can be; throws as requireInRange() does
-/// when not. `section` is their section of the configuration.
+/// Returns `parameters` if all their values are allowed; throws like requireInRange() otherwise.
+/// `section` is their section of the configuration.
 template <typename Parameters>
 const Parameters& checked(const Parameters& parameters, const char* section) {
   Parameters copy = parameters;

@@ -4,8 +4,8 @@
 
 namespace cvg {
 
-/// A path as a word of a shell command that a user is told: quoted where it must be, never an
-/// option.
+/// A path as one word of a shell command in a message to the user: quoted where needed, and written
+/// so that the command does not take it for an option.
 std::string shellWord(const std::string& path);
 
 }  // namespace cvg

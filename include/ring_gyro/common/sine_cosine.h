@@ -7,7 +7,7 @@
 
 namespace cvg {
 
-/// One after the other, by the library.
+/// One lane after the other, with the functions of the library.
 template <typename Vector>
 RING_GYRO_NOT_INLINE void librarySineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
   for (std::size_t i = 0; i < sizeof(Vector) / sizeof(double); ++i) {
@@ -16,16 +16,16 @@ RING_GYRO_NOT_INLINE void librarySineCosine(const Vector& angle, Vector& sine, V
   }
 }
 
-/// Sines and cosines of several angles [rad] side by side, within 2 units of the last place of 1.
-/// Library functions take them one by one, which is most of the
-/// time of a step of the averaged model.
+/// Sines and cosines of several angles [rad] at once, within 2 units of the last place of 1.
+/// Library functions compute them one by one, which would be most of the time of a step of the
+/// averaged model.
 template <typename Vector>
 inline void sineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
   using Whole = typename WholeLanes<Vector>::Type;  // casts between the two keep the bits
-  constexpr double kLargest = 1e6;  // up to here the quarter turns can be taken off exactly enough
+  constexpr double kLargest = 1e6;  // up to here subtracting the quarter turns is exact enough
   const Whole sign = Whole{} + (std::uint64_t{1} << 63);
-  if (!(sumOf((Vector)((Whole)angle & ~sign)) < kLargest)) {  // not a number, too
-    // By copies: what is handed to a function is kept in memory, and this is seldom.
+  if (!(sumOf((Vector)((Whole)angle & ~sign)) < kLargest)) {  // also if one is NaN
+    // On copies: a function argument must be in memory, and only this rare case should pay for it.
     const Vector copy = angle;
     Vector sine_copy, cosine_copy;
     librarySineCosine(copy, sine_copy, cosine_copy);
@@ -33,7 +33,7 @@ inline void sineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
     cosine = cosine_copy;
     return;
   }
-  // Adding this rounds to a whole number, which then stands in the last bits.
+  // Adding this rounds to a whole number, which is then in the last bits.
   constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52
   const Vector shifted = angle * 0.63661977236758134308 + kRounder;
   const Vector quarters = shifted - kRounder;
@@ -44,7 +44,7 @@ inline void sineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
   const Vector square = rest * rest;
   const Vector fourth = square * square;
   // Polynomials of FreeBSD's msun for up to an eighth of a turn, in pairs of terms, which a
-  // processor does side by side.
+  // processor computes in parallel.
   const Vector odd =
       rest +
       rest * square *

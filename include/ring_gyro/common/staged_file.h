@@ -6,27 +6,27 @@
 
 namespace cvg {
 
-/// A file that a long run completes at its end; what there is until then is kept beside it, so that
-/// a run that fails or is killed leaves what it has found, and never over the file of an earlier
-/// run. Nobody else writes the file meanwhile.
+/// A file that a long run completes at its end. Until then the results so far are in a second file
+/// beside it. So a run that fails or is killed leaves its results and does not overwrite the file
+/// of an earlier run. No other program can write the file during the run.
 class StagedFile {
  public:
-  /// Empty: nothing is written at all. Throws as WholeFile when the file, or the one beside it,
+  /// Empty path: nothing is written. Throws like WholeFile if the file, or the one beside it,
   /// cannot be written.
   explicit StagedFile(const std::string& path);
 
-  /// What there is so far, in place of what was kept before. Nothing is kept beside what is no
-  /// regular file, such as a pipe. Throws as WholeFile.
+  /// Writes the results so far, replacing those of the last keep(). Does nothing if the output is
+  /// not a regular file, for example a pipe. Throws like WholeFile.
   void keep(const std::string& text);
-  /// The whole. What was kept is removed. Throws as WholeFile.
+  /// Writes the complete file and removes the second one. Throws like WholeFile.
   void finish(const std::string& text);
 
-  /// Where this run has kept something; empty when it has not.
+  /// Path of the results so far; empty if keep() has written none.
   const std::string& kept() const { return kept_; }
 
  private:
   WholeFile whole_;
-  std::string partial_path_;  // empty: nothing is kept
+  std::string partial_path_;  // empty: keep() writes nothing
   std::string kept_;
 };
 

@@ -4,8 +4,8 @@
 
 namespace cvg {
 
-/// Calls work(i) for i = From to To - 1, each i a compile-time constant: a loop over the elements
-/// of a small matrix, with no loop left in the program.
+/// Calls work(i) for i = From to To - 1, where each i is a compile-time constant: an unrolled loop
+/// over the elements of a small matrix.
 template <int From, int To, typename Work>
 inline void unrolled(Work&& work) {
   if constexpr (From < To) {

@@ -7,9 +7,10 @@
 /// (sums over fixed lanes, no contraction to fused multiply-add), so that the results are the same
 /// to the last bit on every machine.
 ///
-/// RING_GYRO_FUSED_CLONES marks one to be compiled with and without fused multiply-add: a chain of
-/// sums of products is ready in half the time. Compilers that know the level of processors that has
-/// it use the rest of that level too. Results differ by rounding between such machines.
+/// RING_GYRO_FUSED_CLONES marks a function to be compiled with and without fused multiply-add,
+/// which halves the time of a chain of sums of products. Compilers that know the processor level
+/// with fused multiply-add also use the other instructions of that level. Results differ by
+/// rounding between machines with and without it.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RING_GYRO_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
@@ -23,15 +24,16 @@
 #define RING_GYRO_FUSED_CLONES
 #endif
 
-/// Keeps a function out of such a marked one: for what is seldom called, or the same at any width.
+/// Keeps a function from being inlined into such a marked function: for code that is seldom called
+/// or is the same at any width.
 #if defined(__GNUC__)
 #define RING_GYRO_NOT_INLINE __attribute__((noinline))
 #else
 #define RING_GYRO_NOT_INLINE
 #endif
 
-/// Compiles everything that the marked function calls into it, for the vector width of the
-/// function.
+/// Inlines everything that the marked function calls, so that it is compiled for the vector width
+/// of that function.
 #if defined(__GNUC__)
 #define RING_GYRO_FLATTEN __attribute__((flatten))
 #else

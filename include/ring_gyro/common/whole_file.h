@@ -7,19 +7,19 @@
 
 namespace cvg {
 
-/// A text output with the promises of OutputFile. To be made before a long run: whether the file
-/// can be written is told then, and nobody else writes it meanwhile.
+/// A text output that follows the rules of OutputFile. Construct it before a long run: then a file
+/// that cannot be written is reported at once, and no other program can write it during the run.
 ///
-/// An empty path is an output that was not asked for: nothing is written.
-/// Throws std::runtime_error with one line: path, reason, mend.
+/// An empty path means that no output was requested: nothing is written.
+/// Throws std::runtime_error with one line: path, reason, remedy.
 class WholeFile {
  public:
   explicit WholeFile(const std::string& path);
 
   void write(const std::string& text);
-  /// The file is there. Without it nothing changes.
+  /// Makes the file appear. Without this call no file changes.
   void finish();
-  /// All of it at once.
+  /// Writes the whole text and finishes.
   void finish(const std::string& text);
 
  private:
@@ -29,11 +29,11 @@ class WholeFile {
   std::string unwritten_;
 };
 
-/// A text that is at hand as a whole. Throws as WholeFile.
+/// Writes a file from a text that is already complete. Throws like WholeFile.
 void writeWholeFile(const std::string& path, const std::string& text);
 
-/// Whether the file could be written now, for one that is written later and more than once.
-/// Throws as WholeFile.
+/// Checks that the file can be written now; for a file that is written later and more than once.
+/// Throws like WholeFile.
 void requireWritable(const std::string& path);
 
 }  // namespace cvg

@@ -12,35 +12,41 @@ namespace cvg {
 
 struct InjectorParameters {
   bool enabled = true;              ///< at the start
-  double start_after = 0.0;         ///< of data used, before compensation begins [s]
-  double gamma_sigma_limit = 2e-4;  ///< opens the gate
-  double gamma_limit = 0.15;        ///< largest |gamma| that is ever compensated
+  double start_after = 0.0;         ///< time of data used before compensation begins [s]
+  double gamma_sigma_limit = 2e-4;  ///< largest sigma of gamma for compensation
+  double gamma_limit = 0.15;        ///< largest |gamma| that is compensated
   double ramp_rate = 0.05;          ///< of gamma towards its target [1/s]
 
   void declare(ParameterTable& table);
 };
 
-/// Decides what compensation to apply: one decision per estimate, a period ahead, so that it does
-/// not matter how fast the machines are. Equation (35) with its sign corrected: the drive
-/// 2 xi0 w0 / ks [[g1, g2], [g2, -g1]] v cancels the damping mismatch (g1, g2).
+/// Decides which compensation to apply: one decision per estimate, for one period later, so that
+/// the result does not depend on the speed of the machine. Equation (35) with its sign corrected:
+/// the drive 2 xi0 w0 / ks [[g1, g2], [g2, -g1]] v cancels the damping mismatch (g1, g2).
 ///
-/// The first of these that holds decides, each leaves the gains where they are unless said:
-/// disabled - ramp to zero; on hold; gate shut (not converged, sigma of a gamma too large,
-/// start_after not over, or an estimate that is not finite) - waiting; |gamma| beyond gamma_limit -
-/// limited; otherwise ramp towards the estimated gamma, with the estimated ks. A new session begins
-/// at zero; enabled and hold outlast it.
+/// The first condition that is true decides:
+///
+/// - disabled: the gains ramp to zero;
+/// - on hold: the gains stay;
+/// - not converged, a sigma of gamma too large, less than start_after of data, or an estimate that
+///   is not finite: waiting, the gains stay;
+/// - |gamma| beyond gamma_limit: limited, the gains stay;
+/// - otherwise the gains ramp towards the estimated gamma, with the estimated ks.
+///
+/// A new session begins with zero gains; enabled and hold stay as they are.
 class CompensationInjector {
  public:
-  /// `period_blocks`: of the identifier. Throws std::invalid_argument naming what cannot be used.
+  /// `period_blocks`: of the identifier. Throws std::invalid_argument, naming a parameter that
+  /// cannot be used.
   CompensationInjector(const DeviceKnowledge& device, const InjectorParameters& parameters,
                        std::int64_t period_blocks);
 
-  /// The reference is good until the next call.
+  /// The returned reference is valid until the next call.
   const CompensationDecision& decide(const ParameterEstimate& estimate);
 
   void setEnabled(bool enabled) { enabled_ = enabled; }
   void setHold(bool hold) { hold_ = hold; }
-  /// Back to zero compensation at once, waiting for the gate again.
+  /// Back to zero compensation at once; then waits for a good estimate again.
   void reset();
 
  private:
@@ -56,7 +62,7 @@ class CompensationInjector {
   std::uint32_t session_ = 0;
   double gamma1_ = 0.0;
   double gamma2_ = 0.0;
-  double drive_gain_ = 0.0;  // that gamma1_ and gamma2_ are turned into gains with; 0: none yet
+  double drive_gain_ = 0.0;  // ks that converts gamma1_ and gamma2_ to gains; 0: none yet
   CompensationDecision decision_;
 };
 

@@ -12,28 +12,29 @@
 
 namespace cvg {
 
-/// Everything that is wrong with a configuration, not only the first of it.
+/// All faults of a configuration, not only the first.
 class ConfigurationError : public std::runtime_error {
  public:
   explicit ConfigurationError(std::vector<std::string> faults);
 
-  /// One line each: key, value, what is allowed. what() is these lines.
+  /// One line per fault: key, value, allowed values. what() gives these lines.
   const std::vector<std::string>& faults() const { return faults_; }
 
  private:
   std::vector<std::string> faults_;
 };
 
-/// Fills what the tables point to from a map of sections, each a map of values.
+/// Sets the targets of the tables from a map of sections, each a map of values.
 ///
-/// A key that is missing keeps its default unless it is required. A number is any text that is
-/// wholly a finite number (a parameter server turns 1e-2 into text), whatever its quotes. Throws
-/// ConfigurationError: required key missing, key or section unknown or given twice, value of the
-/// wrong type, not finite, out of range or none of the choices. The targets are then unspecified.
+/// A missing key keeps its default unless it is required. Any text that is a finite number counts
+/// as a number, with or without quotes, because a parameter server turns 1e-2 into text. Throws
+/// ConfigurationError when a required key is missing, a key or section is unknown or given twice,
+/// or a value has the wrong type, is not finite, is out of range or is not one of the choices. The
+/// targets are then unspecified.
 void readSections(const YAML::Node& root, const Sections& sections);
 
-/// The configuration of a loop, with `device` handed on to those who use it. The section `node` is
-/// checked and, when `node` is given, read into it. Throws ConfigurationError.
+/// The configuration of a loop; `device` is copied to every part that uses it. The section `node`
+/// is checked and, when `node` is given, read into it. Throws ConfigurationError.
 LoopConfiguration readConfiguration(const YAML::Node& root, NodeParameters* node = nullptr);
 
 /// The same from a file, after overrides of the form "section/key=value".
@@ -42,8 +43,8 @@ LoopConfiguration readConfigurationFile(const std::string& path,
                                         const std::vector<std::string>& overrides = {},
                                         NodeParameters* node = nullptr);
 
-/// The same from several files, of which each overrides the keys of those before it: a preset, then
-/// a calibration.
+/// The same from several files; each overrides the keys of the earlier ones, for example a preset,
+/// then a calibration.
 LoopConfiguration readConfigurationFiles(const std::vector<std::string>& paths,
                                          const std::vector<std::string>& overrides = {},
                                          NodeParameters* node = nullptr);

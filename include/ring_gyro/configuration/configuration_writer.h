@@ -9,16 +9,16 @@
 
 namespace cvg {
 
-/// The sections with all their keys and present values, as a configuration file has them.
+/// The sections with all their keys and present values, in the form of a configuration file.
 /// Throws std::runtime_error with a line for each value that the reader would refuse.
 std::string configurationYaml(const Sections& sections);
 
-/// The same of some keys of one section, in their order there.
+/// The same for some keys of one section, in the order of the section.
 std::string configurationYaml(const Section& section, const std::vector<std::string>& keys);
 
-/// The file that a calibration run leaves: sections `device` and `calibration`, to be read after
-/// the configuration of the run. `told`: the device as that configuration told the loops. The file
-/// of a result that is not complete says what is missing. Throws as configurationYaml.
+/// The file of a calibration run: sections `device` and `calibration`, to be read after the
+/// configuration of the run. `told`: the nominal device in that configuration. If the result is not
+/// complete, the file says what is missing. Throws like configurationYaml.
 std::string calibrationYaml(const CalibrationResult& result, const DeviceKnowledge& told);
 
 }  // namespace cvg

@@ -7,16 +7,17 @@
 
 namespace cvg {
 
-/// As parseNumber(), with YAML's .nan and .inf.
+/// Like parseNumber(), and also accepts YAML's .nan and .inf.
 std::optional<double> numberFromText(const std::string& text);
 
-/// Why `text` cannot be the value of `parameter`, empty when it can and has been stored.
+/// Stores `text` as the value of `parameter`. Gives the reason if that is not possible; empty if it
+/// was stored.
 std::string storeText(const Parameter& parameter, const std::string& text);
 
-/// What a value may be, as a person reads it: "[0, 1] [rad/s]", "one of: a, b".
+/// The allowed values as printed text: "[0, 1] [rad/s]", "one of: a, b".
 std::string allowedText(const Parameter& parameter);
 
-/// Present value of the target, as the configuration file would have it.
+/// Present value of the target, in the form of the configuration file.
 std::string valueText(const Parameter& parameter);
 
 }  // namespace cvg

@@ -22,7 +22,7 @@
 
 namespace cvg {
 
-/// What one displacement block leads to.
+/// Result of one displacement block.
 struct LoopOutput {
   OrbitalElements elements;
   ControlGains gains;
@@ -30,27 +30,28 @@ struct LoopOutput {
 };
 
 /// Demodulation and the four loops of a whole-angle gyroscope: phase (PLL), amplitude, quadrature
-/// and precession steering; one step a block.
+/// and precession steering; one step per block.
 ///
-/// From rest it drives along x with the limit until there is an orbit to control, then closes the
-/// loops; when the orbit is lost it begins again. Samples or a reference that are not finite, or
-/// blocks that are missing, make it coast: the last drive goes on, nothing is learnt from them, the
-/// status says so.
-/// A block of another session restarts it. What is sent, all corrections included, stays within
-/// the drive limit on each axis; when it had to be scaled down, or the plant's converter clipped
-/// it, the status of the block in which it acted says so.
+/// From rest the loops drive along x at the limit until there is an orbit to control; then they
+/// close. When the orbit is lost they begin again. When samples or the reference are not finite, or
+/// blocks are missing, the loops coast: the last drive continues, the loops do not learn, and the
+/// status says so. A block of another session restarts the loops.
+///
+/// The drive that is sent, with all corrections, stays within the drive limit on each axis. If it
+/// had to be scaled down, or the plant's converter clipped it, the status of the block in which it
+/// acted says so.
 class ControlLoops {
  public:
-  /// Throws std::invalid_argument naming what cannot be used.
+  /// Throws std::invalid_argument, naming a parameter that cannot be used.
   ControlLoops(const DeviceKnowledge& device, const ControlParameters& control,
                const DemodulationParameters& demodulation, const ConverterParameters& converter,
                const Corrections& corrections = {});
 
-  /// One block in, everything out. The reference is good until the next call.
+  /// Processes one block. The returned reference is valid until the next call.
   const LoopOutput& process(const DisplacementBlock& block);
 
-  /// As newly made, with the settings it was made with: nothing that was measured, learnt or
-  /// decided before is left.
+  /// Back to the state and settings after construction: forgets all measurements, learnt values and
+  /// decisions.
   void restart();
 
   /// Damping compensation from the next command on.
@@ -69,7 +70,7 @@ class ControlLoops {
   };
   static constexpr std::size_t kDriveMemory = 64;
 
-  /// What the samples of a block are demodulated against.
+  /// Reference for the demodulation of a block.
   struct Reference {
     double phase = 0.0;      // of the NCO at the first sample [rad]
     double frequency = 0.0;  // [rad/s]
@@ -88,7 +89,7 @@ class ControlLoops {
   ControlParameters parameters_;
   DemodulationParameters demodulation_;
   ConverterParameters converter_;
-  Corrections corrections_;  // that it was made with
+  Corrections corrections_;  // as at construction
   Demodulator demodulator_;
   AngleUnwrapper unwrapper_;
   LoopFilter phase_loop_;
@@ -103,7 +104,7 @@ class ControlLoops {
   std::int64_t blocks_to_settle_ = 0;
   bool started_ = false;
   BlockStamp last_stamp_;
-  double lead_;  // from where elements are valid to the middle of the drive they lead to [s]
+  double lead_;  // from the time of the elements to the middle of the drive computed from them [s]
   double tracked_theta_ = 0.0;
   double theta_rate_ = 0.0;
   bool orbit_found_ = false;

@@ -14,8 +14,8 @@ struct ControlParameters {
   double frequency_offset = 0.0;   ///< of the NCO at the start [Hz]
   double amplitude = 1.0;          ///< setpoint of a [V]
   double drive_limit = 10.0;       ///< amplitude per axis [V]
-  double frequency_range = 200.0;  ///< how far the NCO may go from where it starts [Hz]
-  double virtual_rate = 0.0;       ///< steering once locked, acts as a rotation k Om [rad/s]
+  double frequency_range = 200.0;  ///< largest deviation of the NCO from its start [Hz]
+  double virtual_rate = 0.0;       ///< steering after lock, acts as a rotation k Om [rad/s]
   double hold_delay = 0.0;         ///< of the drive, corrected in its phase [s]
   double hold_gain = 1.0;          ///< of the drive, corrected in its amplitude
   LoopTuning phase_loop;

@@ -7,24 +7,25 @@
 
 namespace cvg {
 
-/// What the drive is made from.
+/// The quantities from which the drive is computed.
 struct DriveGains {
   double sustain_force = 0.0;  ///< w beta a [V], along the major axis
   double alpha = 0.0;          ///< quadrature gain, volt per volt
-  double virtual_rate = 0.0;   ///< steer as a rotation k Om of this would [rad/s]
+  double virtual_rate = 0.0;   ///< steering, as the equal rotation k Om [rad/s]
   DampingCompensation compensation;
 };
 
-/// Velocity envelope w R(theta) [a; -i b] [V/s], equation (27): of the locked orbit, phi = -pi/2,
-/// because the drive's phase is the NCO's and the phase-locked loop turns the NCO.
+/// Velocity envelope w R(theta) [a; -i b] [V/s], equation (27), of the locked orbit, phi = -pi/2:
+/// the drive has the phase of the NCO, and the phase-locked loop keeps the NCO locked to the
+/// motion.
 Eigen::Vector2cd velocityEnvelope(const Orbit& orbit, double reference_frequency);
 
-/// Drive envelopes (20)(28)(35) for the orbit as it will be when they act.
+/// Drive envelopes (20)(28)(35) for the orbit at the time when they act.
 ///
 /// sustain beta v, quadrature alpha J u, steering (2 Os / ks) J v, compensation [[g1,g2],[g2,-g1]]
-/// v, with J = [[0,1],[-1,0]], u displacement and v velocity. orbit.phi is not used: the envelope
-/// is relative to the NCO; AveragedModel says what it does at any phi. `drive_gain`: ks as the
-/// loops know it [1/s^2].
+/// v, with J = [[0,1],[-1,0]], u displacement and v velocity. orbit.phi is not used, because the
+/// envelope is relative to the NCO; AveragedModel gives the effect at any phi. `drive_gain`: ks as
+/// the loops assume it [1/s^2].
 DriveContributions synthesizeDrive(const Orbit& orbit, const DriveGains& gains,
                                    double reference_frequency, double drive_gain);
 

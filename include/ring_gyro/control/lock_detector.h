@@ -4,7 +4,7 @@
 
 namespace cvg {
 
-/// Locked once a condition has held without a break for a number of blocks.
+/// Locked when a condition has been true for a number of blocks without interruption.
 class LockDetector {
  public:
   explicit LockDetector(std::int64_t blocks_to_hold) : blocks_to_hold_(blocks_to_hold) {}

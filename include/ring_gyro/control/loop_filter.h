@@ -12,14 +12,15 @@ struct LoopGains {
 /// zeta; `decay` is the plant's own decay rate [1/s].
 LoopGains loopGains(double bandwidth, double damping, double decay = 0.0);
 
-/// Proportional-integral controller with output limits. At a limit the integral stops where more of
-/// the error would only push further beyond it, so nothing has to unwind afterwards.
+/// Proportional-integral controller with output limits. At a limit the integral does not grow
+/// further beyond the limit (anti-windup).
 class LoopFilter {
  public:
   /// Limits in the unit of the output, lowest < highest; period of the updates [s].
   LoopFilter(LoopGains gains, double period, double lowest, double highest);
 
-  /// Output for this error. The limits hold for the sum of it and of what is added to it, `beside`.
+  /// Output for this error. The limits apply to the sum of the output and `beside`, which the
+  /// caller adds to it.
   double update(double error, double beside = 0.0);
   void reset(double integral = 0.0) { integral_ = integral; }
   double integral() const { return integral_; }

@@ -5,12 +5,13 @@
 
 namespace cvg {
 
-/// Learns what a loop has to do at each pattern angle and does it ahead of the loop.
+/// Learns which output a loop needs at each pattern angle and supplies it before the loop reacts.
 ///
 /// Stiffness mismatch makes the quadrature and the resonance swing with cos 2 theta and sin 2
-/// theta. While the pattern turns, a loop that corrects this by itself lags, and the rest of b
-/// turns the pattern by b mu w0. The loop's own output is moved, at `learning_rate` [1/s], into the
-/// amplitudes of 1, cos 2 theta and sin 2 theta, until the loop has nothing of them left to do.
+/// theta. While the pattern turns, a loop that corrects this alone lags, and the remaining b
+/// turns the pattern by b mu w0. So the loop's own output is moved, at `learning_rate` [1/s], to
+/// the amplitudes of 1, cos 2 theta and sin 2 theta, until the loop's own output has none of these
+/// left.
 class PatternFeedforward {
  public:
   /// `period`: of the updates [s].
@@ -20,13 +21,13 @@ class PatternFeedforward {
   /// Forgets everything.
   void reset() { amplitudes_.setZero(); }
 
-  /// Adds a constant to what is known, in the unit of the loop's output.
+  /// Adds a constant to the learnt output, in the unit of the loop's output.
   void addConstant(double constant) { amplitudes_[0] += constant; }
 
-  /// What is known at pattern angle `theta` [rad], in the unit of the loop's output.
+  /// Learnt output at pattern angle `theta` [rad], in the unit of the loop's output.
   double at(double theta) const { return amplitudes_.dot(harmonics(theta)); }
 
-  /// `loop_output`: what the loop still added by itself at this angle.
+  /// `loop_output`: the output that the loop still added at this angle.
   void learn(double loop_output, double theta) {
     amplitudes_ += loop_output * step_.cwiseProduct(harmonics(theta));
   }

@@ -14,37 +14,38 @@
 namespace cvg {
 
 struct DemodulationParameters {
-  /// Rejection asked at twice the reference frequency [dB].
+  /// Required rejection at twice the reference frequency [dB].
   double stopband_attenuation = 120.0;
 
   void declare(ParameterTable& table);
 };
 
-/// Low-pass of the demodulator: a moving average over one block, whose zeros fall on all that would
-/// alias onto DC, convolved with a Kaiser window that rejects twice the reference frequency.
-/// Unit gain at DC, symmetric. `frequency`: lowest reference frequency [Hz].
-/// Throws std::invalid_argument when the attenuation cannot be had at this sample rate.
+/// Low-pass of the demodulator: a moving average over one block, whose zeros are at all frequencies
+/// that would alias to DC, convolved with a Kaiser window that rejects twice the reference
+/// frequency. Unit gain at DC, symmetric. `frequency`: lowest reference frequency [Hz]. Throws
+/// std::invalid_argument when this sample rate does not allow the attenuation.
 std::vector<double> demodulationFilter(const ConverterParameters& converter, double frequency,
                                        double attenuation);
 
 /// Gain |H| of a filter at `frequency` [Hz] for samples at `sample_rate` [Hz].
 double filterGain(const std::vector<double>& taps, double frequency, double sample_rate);
 
-/// Orthogonal demodulation (25): samples to the envelope X = Cx - i Sx, Y = Cy - i Sy, one a block.
+/// Orthogonal demodulation (25): samples to the envelope X = Cx - i Sx, Y = Cy - i Sy, one per
+/// block.
 class Demodulator {
  public:
   /// `frequency`: nominal reference frequency [Hz].
   Demodulator(const DemodulationParameters& parameters, const ConverterParameters& converter,
               double frequency);
 
-  /// Envelope [V] valid at the block's end less groupDelay().
+  /// Envelope [V] valid at the block's end minus groupDelay().
   /// Samples must be finite and of the configured count.
   Eigen::Vector2cd process(const DisplacementBlock& block);
   void reset();
   /// Blocks after a reset whose envelopes are not valid yet.
   std::int64_t settlingBlocks() const;
 
-  /// From the end of a block back to where its envelope is valid [s].
+  /// Time from the instant at which the envelope is valid to the end of the block [s].
   double groupDelay() const;
   const std::vector<double>& taps() const { return taps_; }
 
@@ -52,9 +53,9 @@ class Demodulator {
   ConverterParameters converter_;
   std::vector<double> taps_;
   std::size_t samples_;    // of a block
-  std::size_t earlier_;    // mixed samples kept of earlier blocks, whole lanes
-  AlignedVector weights_;  // taps, zeros before and behind them
-  // Re X, Im X, Re Y, Im Y: of the earlier samples, then of those of the block that are kept.
+  std::size_t earlier_;    // mixed samples kept from earlier blocks, whole lanes
+  AlignedVector weights_;  // taps, with zeros before and after them
+  // Re X, Im X, Re Y, Im Y: of the earlier samples, then of the kept samples of the block.
   std::array<AlignedVector, 4> mixed_;
 };
 

@@ -5,8 +5,8 @@
 
 namespace cvg {
 
-/// Orbit of an envelope, exact for every orbit but the circle (a = |b|), whose theta is undefined
-/// and comes out finite but arbitrary. theta in [-pi, pi], phi in (-pi, 0].
+/// Orbit of an envelope, exact except for a circle (a = |b|), whose theta is undefined; the result
+/// is then finite but arbitrary. theta in [-pi, pi], phi in (-pi, 0].
 Orbit orbitFromEnvelope(const Envelope& envelope);
 
 /// Envelope [V] of an orbit, on any branch.
@@ -15,7 +15,7 @@ Envelope envelopeFromOrbit(const Orbit& orbit);
 /// Counts turns: theta without jumps, from theta known modulo 2 pi.
 class AngleUnwrapper {
  public:
-  /// Nearest continuation [rad] of the angles so far.
+  /// The angle [rad] equal to theta modulo 2 pi that is nearest to the previous result.
   double unwrap(double theta);
   void reset() { started_ = false; }
 

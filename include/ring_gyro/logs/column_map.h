@@ -10,28 +10,29 @@
 
 namespace cvg {
 
-/// Where the value of a quantity comes from: a column or a constant.
+/// Source of the values of a quantity: a column or a constant.
 struct ColumnUse {
   std::optional<std::size_t> column;  ///< none: the constant
   double constant = 0.0;              ///< SI
   double scale = 1.0;                 ///< SI per unit of the column, with the sign
-  std::string unit;                   ///< as it was named; empty: SI
-  bool given = false;                 ///< by the user, not guessed
+  std::string unit;                   ///< as given; empty: SI
+  bool given = false;                 ///< true: given by the user; false: guessed
 };
 
-/// Which column means what, in which unit and sign.
+/// The quantity, unit and sign of each column.
 ///
-/// What the user says comes first; columns that are left are guessed from their names and the units
-/// in them ("Angle [deg]", "theta_deg", "U / mV"), each quantity at most once.
+/// The user's choices come first. The other columns are guessed from their names and the units in
+/// the names ("Angle [deg]", "theta_deg", "U / mV"), each quantity at most once.
 class ColumnMap {
  public:
   /// The motion is in elements a, b, theta; in Cx, Sx, Cy, Sy; or in samples x, y.
   enum class Motion { kElements, kEnvelope, kSamples };
 
-  /// `columns`: "theta=-Angle:deg" each, quantity = sign, name or number from 1, unit.
-  /// `constants`: "omega=14195Hz" each. `ignored`: columns or quantities that are not
-  /// guessed. `file`: for errors.
-  /// Throws LogError for what cannot be, std::invalid_argument for what cannot be read.
+  /// `columns`: each "theta=-Angle:deg", that is quantity = sign, name or number from 1, unit.
+  /// `constants`: each "omega=14195Hz". `ignored`: columns or quantities that are not guessed.
+  /// `file`: name for error messages.
+  /// Throws LogError for an impossible choice, std::invalid_argument for text that cannot be
+  /// parsed.
   ColumnMap(std::string file, std::vector<std::string> names,
             const std::vector<std::string>& columns, const std::vector<std::string>& constants = {},
             const std::vector<std::string>& ignored = {});
@@ -43,11 +44,10 @@ class ColumnMap {
   const std::string& file() const { return file_; }
   const std::vector<std::string>& names() const { return names_; }
 
-  /// Throws LogError when something that cannot be done without is missing.
-  /// `sampled`: a sample rate stands in for time.
+  /// Throws LogError when a necessary quantity is missing. `sampled`: a sample rate replaces time.
   void requireComplete(bool sampled) const;
 
-  /// Column, meaning, unit, and value in SI of each quantity of this row; then what is not used.
+  /// Column, quantity, unit and value in SI of each quantity of this row; then the unused columns.
   std::string table(const std::vector<double>& first_row) const;
 
  private:

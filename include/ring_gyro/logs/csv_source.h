@@ -9,12 +9,13 @@
 
 namespace cvg {
 
-/// Fields of one line; quotes keep a delimiter from parting. A space stands for any run of blanks.
-/// The views are into `line`.
+/// Fields of one line; a delimiter in quotes does not separate fields. A space as the delimiter
+/// means one or more blanks. The views refer to `line`.
 void splitFields(std::string_view line, char delimiter, std::vector<std::string_view>& fields);
 
-/// A text log with delimiters. What is not given is found from its first lines: comment lines (#,
-/// %), lines before the table, the header, a line of units, delimiter and decimal sign.
+/// A text log with delimiters. The following are found from its first lines unless they are given:
+/// comment lines (#, %), lines before the table, the header, a line of units, delimiter and decimal
+/// sign.
 class CsvSource : public RecordSource {
  public:
   /// Throws LogError.
@@ -35,10 +36,10 @@ class CsvSource : public RecordSource {
 
   CsvDialect dialect_;
   LineReader lines_;
-  std::uint64_t first_line_ = 1;  // with numbers
+  std::uint64_t first_line_ = 1;  // first line with numbers
   std::vector<std::string> names_;
   bool named_ = false;
-  bool split_at_decimals_ = false;  // perhaps
+  bool split_at_decimals_ = false;  // decimal commas may have been taken for delimiters
   std::vector<std::size_t> columns_;
   std::vector<std::string_view> fields_;
 };

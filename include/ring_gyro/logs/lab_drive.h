@@ -9,15 +9,15 @@
 
 namespace cvg {
 
-/// The drive that acted according to a log: its envelopes where they are logged, otherwise rebuilt
-/// by (28) from the gains or their voltages and the measured orbit.
+/// The drive that acted according to a log: its logged envelopes or, if there are none, the drive
+/// computed by (28) from the gains or their voltages and the measured orbit.
 class LabDrive {
  public:
   /// `drive_gain`: ks as the lab's loops assumed it, for steering by a virtual rate [1/s^2].
   LabDrive(const ColumnMap& map, std::optional<double> drive_gain);
 
-  /// Gains and drive of `target` from those of `row`, pointed along `orbit`.
-  /// Throws std::invalid_argument when the row steers and the drive gain is not known.
+  /// Sets gains and drive of `target` from those of `row`, pointed along `orbit`.
+  /// Throws std::invalid_argument when the row has a virtual rate and the drive gain is not known.
   void rebuild(const LogRow& row, const Orbit& orbit, ControlGains& target) const;
 
  private:

@@ -5,19 +5,19 @@
 
 namespace cvg {
 
-/// A log that cannot be used, in one line: file, place, what is wrong; the mend.
+/// Error of an unusable log, in one line: file, place, fault; remedy.
 class LogError : public std::runtime_error {
  public:
   LogError(const std::string& file, const std::string& place, const std::string& fault,
            const std::string& mend);
 };
 
-/// What one row of a log can be wrong in.
+/// Possible faults of one row of a log.
 enum class RowFault { kRagged, kNotANumber, kNotFinite, kOutOfRange, kTime, kCount };
 
 const char* toString(RowFault fault);
 
-/// One row that cannot be used; the rows after it can still be read.
+/// Error of one unusable row; the rows after it can still be read.
 class RowError : public LogError {
  public:
   RowError(RowFault kind, const std::string& file, const std::string& place,

@@ -18,44 +18,44 @@
 
 namespace cvg {
 
-/// What became of the rows of a log.
+/// Counts and results of an import.
 struct ImportCounts {
-  std::uint64_t rows = 0;  ///< read, good or not
+  std::uint64_t rows = 0;  ///< all rows read, good or bad
   RowFaults faults;
-  std::uint64_t missing_rows = 0;     ///< gaps in time, where rows should have been
-  std::uint64_t left_over_rows = 0;   ///< good, but of a block that is not whole
-  std::uint64_t blocks = 0;           ///< handed on
-  std::uint64_t unusable_blocks = 0;  ///< of these: not locked, or marked so in the log
+  std::uint64_t missing_rows = 0;     ///< rows missing in gaps in time
+  std::uint64_t left_over_rows = 0;   ///< good rows of incomplete blocks
+  std::uint64_t blocks = 0;           ///< sent to the sink
+  std::uint64_t unusable_blocks = 0;  ///< of these: not locked, or marked unusable in the log
   double duration = 0.0;              ///< from the first to the last row [s]
   double lowest_theta = 0.0;          ///< of usable blocks [rad]
   double highest_theta = 0.0;         ///< [rad]
   double mean_beta = 0.0;             ///< of usable blocks [s]
 };
 
-/// Turns the rows of a log into what the identifier takes: elements and gains, block by block.
+/// Converts the rows of a log to the input of the identifier: elements and gains, block by block.
 ///
-/// Rows are put onto an even grid; missing rows become missing sequences. theta is unwrapped and
-/// phi brought to (-pi, 0]. Samples x, y go through the package's demodulator; when their
-/// reference phase is not in the log, phi is taken as locked at -pi/2. A log without flags is taken
-/// as locked where a is not small, b is under a tenth of a and phi within 30 deg of -pi/2.
+/// Rows are assigned to an even grid; missing rows become missing sequences. theta is unwrapped and
+/// phi shifted to (-pi, 0]. The package's demodulator processes samples x, y; if their reference
+/// phase is not in the log, phi is assumed locked at -pi/2. In a log without flags, blocks count as
+/// locked where a is not small, b is under a tenth of a and phi within 30 deg of -pi/2.
 class LogImporter {
  public:
   using Sink = std::function<void(const OrbitalElements&, const ControlGains&)>;
   using Progress = std::function<void(double done, double size)>;
 
-  /// Looks at the first rows. Source and map must live as long. Throws LogError when the log cannot
-  /// be used, also for a bad row unless options.partial;
-  /// std::invalid_argument for options that cannot.
+  /// Reads the first rows. `source` and `map` must outlive this object. Throws LogError when the
+  /// log cannot be used, also for a bad row unless options.partial is set, and
+  /// std::invalid_argument for unusable options.
   LogImporter(RecordSource& source, const ColumnMap& map, const ImportOptions& options);
 
   const LogRow& firstRow() const { return head_.front().row; }
   double rowPeriod() const { return clock_->period(); }  ///< [s]
   std::int64_t rowsPerBlock() const { return rows_per_block_; }
   std::int64_t blockDurationNanoseconds() const { return duration_ns_; }
-  double groupDelay() const;           ///< of the blocks, unless the log says it [s]
-  std::string groupDelayText() const;  ///< how long, or which column says it
+  double groupDelay() const;           ///< of the blocks, unless the log has a column for it [s]
+  std::string groupDelayText() const;  ///< the delay, or the column that contains it
 
-  /// Everything to the end of the log. Throws as the constructor.
+  /// Converts the log to its end. Throws like the constructor.
   const ImportCounts& run(const Sink& sink, const Progress& progress);
 
  private:
@@ -63,7 +63,7 @@ class LogImporter {
     LogRow row;
     std::string place;
   };
-  /// A row or a block: where the orbit was, and what the log says beside it.
+  /// A row or a block: its orbit, and the other values of the log.
   struct Moment {
     Orbit orbit;
     LogRow row;
@@ -106,7 +106,7 @@ class LogImporter {
   LogRows rows_;
   LabDrive drive_;
   ImportCounts counts_;
-  std::vector<HeadRow> head_;  // first good rows, by which period and conventions are seen
+  std::vector<HeadRow> head_;  // first good rows, to determine period and conventions
   std::optional<RowClock> clock_;
   std::int64_t rows_per_block_ = 1;
   std::int64_t duration_ns_ = 0;
@@ -117,8 +117,8 @@ class LogImporter {
   std::int64_t first_block_ = 0;
   std::int64_t origin_ns_ = 0;      // end of the first block
   std::int64_t row_index_ = 0;      // on the grid
-  std::int64_t next_in_block_ = 0;  // row of a block that is awaited; negative: none of this block
-  std::optional<Moment> last_;      // the one before, when nothing is missing between
+  std::int64_t next_in_block_ = 0;  // expected row of the block; negative: none of this block
+  std::optional<Moment> last_;      // the previous one, if nothing is missing in between
   std::optional<double> last_theta_;
   double theta_rate_ = 0.0;
   bool rate_known_ = false;
@@ -126,7 +126,7 @@ class LogImporter {
   std::unique_ptr<Demodulator> demodulator_;
   DisplacementBlock samples_;
   std::int64_t blocks_to_settle_ = 0;
-  double reference_phase_ = 0.0;  // integrated, at the next sample
+  double reference_phase_ = 0.0;  // integrated up to the next sample
 
   Moment block_;  // sums over its rows
   ControlGains block_gains_;

@@ -7,9 +7,9 @@
 
 namespace cvg {
 
-/// A MATLAB file, v5 to v7.3: vectors are columns by their names, those of a matrix are
-/// "name(:,k)", those in a scalar struct "struct.name"; a scalar holds for all rows. The selected
-/// columns are held in memory.
+/// A MATLAB file, v5 to v7.3. A vector is a column with the vector's name; a column of a matrix is
+/// "name(:,k)", a vector in a scalar struct is "struct.name"; a scalar holds for all rows. The
+/// selected columns are kept in memory.
 class MatSource : public RecordSource {
  public:
   /// Throws LogError.

@@ -4,13 +4,13 @@
 
 namespace cvg {
 
-/// Whether a MATLAB file holds what it says it holds: each variable is there to its last byte, and
-/// the sizes that it claims are those of its data. libmatio takes both on trust, reserves what is
-/// claimed and reads zeros where a file has been cut. Takes memory for no data.
+/// Checks that a MATLAB file is complete: each variable is there to its last byte, and its declared
+/// sizes are those of its data. libmatio does not check this: it allocates the declared size and
+/// reads zeros where a file has been cut. These functions do not allocate memory for the data.
 ///
-/// Throws LogError naming the variable. The versions: of MATLAB's save, "-v6" and "-v7" (MAT 5,
-/// plain or compressed variable by variable) and "-v7.3" (HDF5, which from then on prints no errors
-/// of its own in this process).
+/// Throw LogError, naming the variable. Versions of MATLAB's save: "-v6" and "-v7" (MAT 5, each
+/// variable plain or compressed), and "-v7.3" (HDF5; after this call the HDF5 library prints no
+/// errors of its own in this process).
 void requireWholeMat5(const std::string& path);
 void requireWholeMat73(const std::string& path);
 

@@ -12,7 +12,7 @@
 
 namespace cvg {
 
-/// What a column of a log can mean.
+/// The possible quantities of a column.
 enum class Quantity {
   kTime,
   kA,
@@ -48,14 +48,14 @@ enum class Quantity {
 constexpr std::size_t kQuantityCount = static_cast<std::size_t>(Quantity::kCount);
 constexpr std::size_t indexOf(Quantity quantity) { return static_cast<std::size_t>(quantity); }
 
-/// The only place where a quantity's name, dimension and meaning stand.
+/// The only place that gives a quantity's name, dimension and meaning.
 struct QuantityInfo {
   Quantity quantity;
   const char* name;  ///< as in --column NAME=... and in exported headers
   Dimension dimension;
   const char* meaning;
-  Range range;  ///< of values that can be, SI: wide, but far from where arithmetic breaks down
-  /// What labs call it: lower case, letters and digits only, between spaces.
+  Range range;  ///< of possible values, SI: wide, but far below overflow in later arithmetic
+  /// Names used by labs: lower case, letters and digits only, each between spaces.
   const char* synonyms;
 };
 

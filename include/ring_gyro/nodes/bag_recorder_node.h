@@ -15,14 +15,15 @@
 
 namespace ring_gyro::nodes {
 
-/// Writes a run to a bag, each message at its own stamp and all in the order of their stamps
-/// (StampMerge), and leaves once it has all of it.
+/// Writes a run to a bag, each message at its own stamp and all sorted by stamp (StampMerge), and
+/// exits when it has the whole run.
 ///
-/// rosbag record keeps 100 messages a topic and drops what exceeds them, which a run many times
-/// faster than real time does; and it does not know when a run is over.
+/// rosbag record is not enough: it keeps 100 messages per topic and drops more, which a run much
+/// faster than real time exceeds, and it does not know when a run is over.
 class BagRecorderNode {
  public:
-  /// Throws ConfigurationError without a file name, std::runtime_error when it cannot be written.
+  /// Throws ConfigurationError without a file name, std::runtime_error when the file cannot be
+  /// written.
   BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                   const bridge::NodeConfiguration& configuration, NodeHost host);
   ~BagRecorderNode();
@@ -34,11 +35,11 @@ class BagRecorderNode {
   struct Topic {
     std::string name;
     ros::Subscriber subscriber;
-    std::uint64_t complete_up_to = 0;  // block
+    std::uint64_t complete_up_to = 0;  // block number
     bool any = false;
   };
 
-  /// `blockOf`: up to which block a message completes its topic.
+  /// `blockOf`: the block up to which a message completes its topic.
   template <typename Message, typename BlockOf>
   void record(const char* topic, BlockOf blockOf, Sent sent = Sent::kEachBlock);
   void reportProcessed();

@@ -23,17 +23,17 @@
 
 namespace ring_gyro::nodes {
 
-/// Makes a calibration run: OrbitalElements and ControlGains in through one merge, a
-/// CalibrationCommand out at the end of each period (latched), and at the end of the run the
+/// Makes a calibration run. Input: OrbitalElements and ControlGains through one merge. Output: a
+/// CalibrationCommand at the end of each period (latched), and at the end of the run the
 /// calibration as YAML in node/calibration_file.
 ///
-/// The last command has the plant end the run. When the run cannot go on, the reason is in that
-/// command, and the node fails once the others have left; the calibration so far stays in
-/// node/calibration_file with ".partial" behind its name.
+/// The last command makes the plant end the run. If the run cannot continue, this command contains
+/// the reason, and the node fails after the others have exited; the calibration so far stays in a
+/// file with the name of node/calibration_file plus ".partial".
 class CalibrationNode {
  public:
-  /// Throws ConfigurationError or std::invalid_argument naming what cannot be used,
-  /// std::runtime_error when the file cannot be written.
+  /// Throws ConfigurationError or std::invalid_argument, naming a parameter that cannot be used,
+  /// and std::runtime_error when the file cannot be written.
   CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                   const bridge::NodeConfiguration& configuration, NodeHost host);
 

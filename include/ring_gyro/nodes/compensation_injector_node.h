@@ -24,12 +24,12 @@
 
 namespace ring_gyro::nodes {
 
-/// Decides on the compensation: ParameterEstimate in, CompensationGains out (latched), one for each
-/// estimate. Services ~enable, ~hold and ~reset act from the next decision on. An estimate whose
-/// numbers cannot be is one that has not converged: there is a decision, and the gains stay.
+/// Decides on the compensation. Input: ParameterEstimate. Output: one CompensationGains (latched)
+/// per estimate. Services ~enable, ~hold and ~reset act from the next decision on. An estimate with
+/// impossible numbers counts as not converged: there is a decision, and the gains stay.
 class CompensationInjectorNode {
  public:
-  /// Throws std::invalid_argument naming what cannot be used.
+  /// Throws std::invalid_argument, naming a parameter that cannot be used.
   CompensationInjectorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                            const bridge::NodeConfiguration& configuration, NodeHost host);
 

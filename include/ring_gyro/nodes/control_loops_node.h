@@ -29,18 +29,18 @@
 
 namespace ring_gyro::nodes {
 
-/// Demodulation and control: DisplacementBlock in, DriveCommand, OrbitalElements, ControlGains and
-/// the sensed rate out.
+/// Demodulation and control. Input: DisplacementBlock. Output: DriveCommand, OrbitalElements,
+/// ControlGains and the sensed rate.
 ///
-/// With compensation or in a calibration run the loops are told what to do each period. In lockstep
-/// the block whose drive a decision is for waits for that decision, so that the timing of threads
-/// cannot change a run. In real time decisions apply when they arrive and late ones are counted.
+/// With compensation or in a calibration run the loops get a decision for each period. In lockstep
+/// a block whose drive needs a decision waits for it, so that the timing of threads cannot change a
+/// run. In real time decisions act when they arrive, and late ones are counted.
 ///
-/// A block whose numbers cannot be is answered too, as one with invalid samples: the loops coast,
-/// and the phase of the NCO goes on from their last command.
+/// A block with impossible numbers is also answered, like one with invalid samples: the loops
+/// coast, and the phase of the NCO continues from their last command.
 class ControlLoopsNode {
  public:
-  /// Throws std::invalid_argument naming what cannot be used.
+  /// Throws std::invalid_argument, naming a parameter that cannot be used.
   ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                    const bridge::NodeConfiguration& configuration, NodeHost host);
 
@@ -74,8 +74,8 @@ class ControlLoopsNode {
   cvg::ControlLoops loops_;
   cvg::DisplacementBlock block_;
   cvg::TimeGuard guard_;
-  std::optional<std::uint32_t> unconfirmed_session_;  // of which one block has come, not its first
-  BlockMessage::ConstPtr waiting_;  // for the decision that its answer must use, or for readers
+  std::optional<std::uint32_t> unconfirmed_session_;  // one block arrived, but not its first
+  BlockMessage::ConstPtr waiting_;  // for the decision that its answer needs, or for readers
   cvg::DecisionQueue<cvg::CompensationDecision> compensation_decisions_;
   cvg::DecisionQueue<cvg::CalibrationCommand> calibration_commands_;
   std::int64_t block_duration_ns_;

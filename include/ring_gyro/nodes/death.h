@@ -4,8 +4,9 @@
 
 namespace ring_gyro::nodes {
 
-/// Whether a node (its whole name) was killed or has crashed: the master still knows it, but nobody
-/// answers where it was. One that ended in order, as by rosnode kill, the master knows no more.
+/// Whether a node (full name) was killed or has crashed: the master still knows it, but nothing
+/// answers at its address. A node that exited normally, also by rosnode kill, is no longer known to
+/// the master.
 bool hasDied(const std::string& node);
 
 }  // namespace ring_gyro::nodes

@@ -16,34 +16,34 @@
 
 namespace ring_gyro::nodes {
 
-/// Ends a node in order: when the plant has announced the last block and the node has dealt with
-/// it, the node takes its leave of its inputs, waits until those who read its outputs have done so
-/// too (nothing on the way to them is lost), and finishes.
+/// Ends a node without loss. When the plant has announced the last block and the node has processed
+/// it, the node unsubscribes from its inputs, waits until the readers of its outputs have
+/// unsubscribed too (so that no message on the way to them is lost), and finishes.
 ///
-/// Only the end of the session that the node is in counts. A node that has seen no data yet keeps
-/// what was announced until its first block tells of which session it is: the latched end of an
-/// earlier run ends nobody. When data of a new session come, the end of the one before is void.
+/// Only the end of the node's own session counts. A node that has seen no data yet keeps an
+/// announcement until its first block shows the session, so that the latched end of an earlier run
+/// ends no node. When data of a new session arrive, the end of the previous session is void.
 class Departure {
  public:
-  /// `leave`: ends the node's subscriptions and whatever it has to conclude; called once.
+  /// `leave`: ends the node's subscriptions and completes its work; called once.
   Departure(ros::NodeHandle& handle, const cvg::NodeParameters& parameters, NodeHost host,
             std::vector<Output> outputs, std::function<void()> leave);
 
   /// The plant has announced the last block of the session that the node is in.
   bool announced() const { return announced_; }
 
-  /// A message of this session has come; cheap, to be called for each.
+  /// A message of this session has arrived; fast, to be called for each message.
   void inSession(std::uint32_t session) {
     if (!in_session_ || session != session_) enterSession(session);
   }
 
-  /// Ends of other sessions that were announced and left out.
+  /// Number of announced ends of other sessions, which were ignored.
   std::uint64_t foreign() const { return foreign_; }
 
-  /// The node has nothing more to do, whatever the plant may announce.
+  /// Leaves now: the node has finished its work before the announced end.
   void leaveNow();
 
-  /// The node has dealt with this block of its session; cheap, to be called for each.
+  /// The node has processed this block of its session; fast, to be called for each block.
   void processed(std::uint64_t sequence) {
     last_processed_ = sequence;
     any_processed_ = true;
@@ -66,7 +66,7 @@ class Departure {
   std::function<void()> leave_;
   bool in_session_ = false;
   std::uint32_t session_ = 0;
-  std::optional<ring_gyro::EndOfRun> early_;  // came before any data
+  std::optional<ring_gyro::EndOfRun> early_;  // arrived before any data
   std::uint64_t foreign_ = 0;
   bool announced_ = false;
   bool leaving_ = false;

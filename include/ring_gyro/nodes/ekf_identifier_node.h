@@ -21,13 +21,13 @@
 
 namespace ring_gyro::nodes {
 
-/// The Kalman filter: OrbitalElements and ControlGains in through one merge, ParameterEstimate out
-/// at the end of each period (latched). Ends with the run, or with the bag that is replayed to it,
-/// and then writes the report that the tool `identify` makes of a bag, if it is told where.
+/// The Kalman filter. Input: OrbitalElements and ControlGains through one merge. Output: a
+/// ParameterEstimate at the end of each period (latched). Ends with the run or with the replayed
+/// bag; then it writes the same report as the tool `identify`, if node/report is set.
 class EkfIdentifierNode {
  public:
-  /// Throws std::invalid_argument naming what cannot be used, std::runtime_error when the report
-  /// cannot be written.
+  /// Throws std::invalid_argument, naming a parameter that cannot be used, and std::runtime_error
+  /// when the report cannot be written.
   EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                     const bridge::NodeConfiguration& configuration, NodeHost host);
 
@@ -45,7 +45,7 @@ class EkfIdentifierNode {
   cvg::NodeParameters parameters_;
   cvg::WholeFile report_file_;
   bridge::StreamIdentifier identifier_;
-  std::uint64_t not_delivered_ = 0;  // of the bag that is replayed
+  std::uint64_t not_delivered_ = 0;  // messages of the replayed bag
   Refusals refusals_;
   UseWatch use_;
 

@@ -14,29 +14,30 @@ namespace ring_gyro::nodes {
 
 /// Runs the callbacks of a node in the thread in which roscpp reads and writes its sockets.
 ///
-/// A block that goes round the loop between processes then wakes one thread in each of them. With
-/// ros::spin() it is three (socket, callback, socket), and waking threads is where the time of a
-/// run goes. Callbacks are still one at a time and never within roscpp's own locks on a topic.
+/// A block on its way through the loop then wakes one thread in each process. With ros::spin() it
+/// wakes three (socket, callback, socket), and waking threads takes most of the time of a run.
+/// Callbacks still run one at a time and never while roscpp holds its locks on a topic.
 class NetworkThreadSpinner {
  public:
-  /// To be made before ros::start(): what a callback publishes then goes out in the same turn.
+  /// Construct it before ros::start(): then a message published by a callback is sent in the same
+  /// cycle of the thread.
   NetworkThreadSpinner();
   ~NetworkThreadSpinner();
   NetworkThreadSpinner(const NetworkThreadSpinner&) = delete;
   NetworkThreadSpinner& operator=(const NetworkThreadSpinner&) = delete;
 
-  /// The queue for the node's handles; it must outlive all that they made.
+  /// The queue for the node's handles. It must outlive everything that they create.
   ros::CallbackQueueInterface* queue() { return &queue_; }
 
-  /// Runs callbacks until stop() or the end of ROS; none runs any more when it returns.
-  /// What a callback throws ends it and is thrown from here.
+  /// Runs callbacks until stop() or the shutdown of ROS; when it returns, no callback is running.
+  /// An exception of a callback ends it and is rethrown.
   void run();
 
-  /// From any thread, callbacks included.
+  /// May be called from any thread, also from callbacks.
   void stop();
 
  private:
-  /// Wakes up the network thread for callbacks that come from other threads, as those of timers do.
+  /// Wakes up the network thread for callbacks from other threads, for example of timers.
   class Queue : public ros::CallbackQueue {
    public:
     void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t id) override;

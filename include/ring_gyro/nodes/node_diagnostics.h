@@ -9,7 +9,8 @@
 
 namespace ring_gyro::nodes {
 
-/// State of a node on /diagnostics (REP 107) each second of wall time, whatever the simulated time.
+/// Publishes the state of a node on /diagnostics (REP 107) each second of wall time, even if
+/// simulated time differs.
 class NodeDiagnostics {
  public:
   using Report = std::function<void(diagnostic_updater::DiagnosticStatusWrapper&)>;

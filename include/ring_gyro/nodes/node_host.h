@@ -5,11 +5,11 @@
 
 namespace ring_gyro::nodes {
 
-/// What a node may ask of whatever runs it, a process of its own or a nodelet manager.
+/// Requests of a node to the process that runs it: its own process or a nodelet manager.
 struct NodeHost {
-  /// The node has done all it had to do and let go of its topics.
+  /// The node has finished its work and left its topics.
   std::function<void()> finish;
-  /// The run cannot go on: say this line as FATAL and end with a code other than zero.
+  /// The run cannot continue: log this line as FATAL and exit with a non-zero code.
   std::function<void(const std::string&)> fail;
 };
 

@@ -20,14 +20,14 @@
 
 namespace ring_gyro::nodes {
 
-/// A topic that a node publishes, who listens to it by name, and how far the slowest of those in
-/// other processes is behind. Each has a queue of kOutputQueue messages; beyond that it loses the
-/// oldest, which it sees by sequence.
+/// A topic that a node publishes. Knows its subscribers by name, and how many messages the slowest
+/// subscriber in another process is behind. Each subscriber has a queue of kOutputQueue messages;
+/// if it is full, the subscriber loses the oldest message and sees this by sequence.
 class Output {
  public:
   Output() = default;
 
-  /// `handle` must use the callback queue of the node. Latched: late listeners get the last
+  /// `handle` must use the callback queue of the node. Latched: late subscribers get the last
   /// message.
   template <typename Message>
   static Output advertise(ros::NodeHandle& handle, const std::string& topic, bool latched = false) {
@@ -54,7 +54,7 @@ class Output {
       return;
     }
     if (waiting() >= kOutputQueue) ++transit_->overflows;
-    // As ros::Publisher does it, with bytes that tell when they have left.
+    // Like ros::Publisher, but with a buffer that reports when it has been sent.
     ros::SerializedMessage shared;
     shared.type_info = &typeid(Message);
     shared.message = message;
@@ -62,15 +62,15 @@ class Output {
         topic_, [this, &message] { return inTransit(*message); }, shared);
   }
 
-  /// Messages on their way to the slowest reader in another process; latched topics: 0.
+  /// Number of messages on the way to the slowest reader in another process; latched topics: 0.
   std::size_t waiting() const { return transit_->waiting.load(std::memory_order_relaxed); }
-  /// How often a message was published while a reader's queue was full, and so lost another.
+  /// How often a reader lost a message because its queue was full when the next was published.
   std::uint64_t overflows() const { return transit_->overflows; }
 
   std::size_t subscribers() const { return publisher_.getNumSubscribers(); }
   const std::string& topic() const { return topic_; }
   bool hasListener(const std::string& node) const;
-  /// Nodes that listen, "/a, /b"; "nobody".
+  /// Names of the subscribed nodes, "/a, /b", or "nobody".
   std::string listeners() const;
 
  private:

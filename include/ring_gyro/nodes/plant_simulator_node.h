@@ -23,13 +23,14 @@
 
 namespace ring_gyro::nodes {
 
-/// The gyroscope: DriveCommand in, DisplacementBlock out, and /clock, truth and the end of the run.
+/// The gyroscope. Input: DriveCommand. Output: DisplacementBlock, /clock, the truth and the end of
+/// the run.
 ///
-/// Lockstep: block n + 1 follows the command that answers block n. Real time: a block each block
-/// duration of wall time; without a new command the last drive goes on.
+/// Lockstep: block n + 1 follows the command that answers block n. Real time: one block per block
+/// duration of wall time; without a new command the last drive continues.
 class PlantSimulatorNode {
  public:
-  /// Throws std::invalid_argument naming what cannot be used.
+  /// Throws std::invalid_argument, naming a parameter that cannot be used.
   PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                      const bridge::NodeConfiguration& configuration, NodeHost host);
 
@@ -54,21 +55,21 @@ class PlantSimulatorNode {
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   double simulatedTime() const;
   bool lastBlockDone() const;
-  double behindRealTime() const;  // of the start of the next block [s]; negative: it is not due yet
+  double behindRealTime() const;  // delay of the next block's start [s]; negative: not due yet
 
   ros::NodeHandle handle_;
   cvg::NodeParameters parameters_;
   NodeHost host_;
   double duration_;             // of the run, 0: until stopped [s]
   std::uint64_t blocks_;        // of the run, 0: until stopped
-  std::uint64_t burst_blocks_;  // whose truth is sent together
+  std::uint64_t burst_blocks_;  // blocks whose truth is sent together
   std::int64_t block_ns_;
   std::int64_t start_ns_;
   cvg::PlantSimulator plant_;
   cvg::DriveCommand command_;
-  bool commanded_ = false;    // real time: a command has come since the last block
-  bool any_command_ = false;  // a command has been taken at all
-  bool coasts_ = false;       // lockstep: the answer was refused, the last drive goes on
+  bool commanded_ = false;    // real time: a command has arrived since the last block
+  bool any_command_ = false;  // at least one command has been accepted
+  bool coasts_ = false;       // lockstep: the answer was refused, the last drive continues
   cvg::BlockStamp last_;
   bool started_ = false;
   bool ended_ = false;

@@ -7,12 +7,14 @@
 
 namespace ring_gyro::nodes {
 
-// All queues of the loop are bounded, in messages, which are blocks. In lockstep none of the limits
-// is reached (ReaderWait); in real time what is beyond them is lost, and seen as a gap by sequence.
+// All queues of the loop are bounded; limits are in messages (one per block). In lockstep no limit
+// is reached (ReaderWait); in real time further messages are lost, which is seen as a gap by
+// sequence.
 
-/// Of a topic on its way to each of its readers: ten seconds of 1 ms.
+/// Queue of a published topic for each of its readers: ten seconds of 1 ms blocks.
 constexpr std::uint32_t kOutputQueue = 10000;
-/// Of a topic that a node reads: more than the socket holds, which is read in one go.
+/// Queue of a topic that a node reads: more than the socket holds, because the socket is read at
+/// once.
 constexpr auto kInputQueue = static_cast<std::uint32_t>(cvg::PairMerge::kMostWaiting);
 
 }  // namespace ring_gyro::nodes

@@ -12,17 +12,17 @@
 
 namespace ring_gyro::nodes {
 
-/// Keeps a lockstep run at the pace of those who read it: while a reader in another process is half
-/// a queue behind, the next step waits, so that neither memory grows nor a message is lost. When a
-/// step has been held for half the lockstep timeout the run goes on, and the reader loses what its
-/// queue cannot hold, until it has caught up. In real time nobody waits.
+/// Limits the speed of a lockstep run to that of its readers: while a reader in another process is
+/// half a queue behind, the next step waits, so that memory does not grow and no message is lost.
+/// When a step has been held for half the lockstep timeout, the run continues, and the reader loses
+/// messages that its queue cannot hold until it has caught up. In real time no step waits.
 class ReaderWait {
  public:
-  /// `resume`: takes the step that was held.
+  /// `resume`: makes the held step.
   ReaderWait(ros::NodeHandle& handle, const cvg::NodeParameters& parameters,
              std::vector<Output> outputs, std::function<void()> resume);
 
-  /// Whether the next step must be held; then `resume` will be called. Cheap.
+  /// Whether the next step must be held; if so, `resume` will be called later. Fast.
   bool mustHold() {
     if (!lockstep_ || !behind()) {
       given_up_ = false;

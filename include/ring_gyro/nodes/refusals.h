@@ -11,14 +11,14 @@
 
 namespace ring_gyro::nodes {
 
-/// What a node has refused of its input: counted by reason, said once and then at most each
+/// Messages that a node has refused: counted by reason, reported at once and then at most every
 /// ten seconds of wall time, shown on /diagnostics.
 class Refusals {
  public:
-  /// `block`: sequence that the message is of.
+  /// `block`: sequence of the message.
   void add(const std::string& topic, std::uint64_t block, const bridge::MessageFault& fault);
-  /// A message with good numbers that cannot be used. `reason`: the same for all such messages of
-  /// the topic, as "of another session"; `text`: one line with the particulars.
+  /// A message with possible numbers that cannot be used. `reason`: the same for all such messages
+  /// of the topic, for example "of another session"; `text`: one line with details.
   void add(const std::string& topic, const std::string& reason, const std::string& text);
 
   std::uint64_t total() const { return total_; }

@@ -11,18 +11,18 @@
 
 namespace ring_gyro::nodes {
 
-/// Knows from the bag itself when its replay is over, as no message has to say so: all messages of
-/// both topics have come; or /clock has reached the last of them and nothing comes any more; or,
-/// without a /clock, nothing has come for the time that the node is told to wait. The rule and its
-/// reasons are in docs/replay.md.
+/// Finds from the bag itself when its replay is over, so that no end message is needed: all
+/// messages of both topics have arrived; or /clock has reached the last of them and no more arrive;
+/// or, without /clock, nothing has arrived for the configured time. docs/replay.md gives the rule
+/// and its reasons.
 class ReplayEnd {
  public:
-  /// `parameters`: the bag, the part of it that is played, and how long to wait without a /clock;
-  /// `over`: called once, with the messages that never came. Throws BagError.
+  /// `parameters`: the bag, the part of it that is played, and how long to wait without /clock;
+  /// `over`: called once, with the number of missing messages. Throws BagError.
   ReplayEnd(ros::NodeHandle& handle, const cvg::NodeParameters& parameters,
             std::function<void(std::uint64_t)> over);
 
-  /// A message of either topic has come and has been dealt with.
+  /// A message of one of the topics has been received and processed.
   void received();
 
  private:

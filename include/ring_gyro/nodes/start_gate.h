@@ -12,11 +12,12 @@
 
 namespace ring_gyro::nodes {
 
-/// Holds a node back until its outputs have the listeners they must have. As each node of the chain
-/// takes no input before, nothing of a run is lost, in whatever order the nodes came up.
+/// Holds a node back until its outputs have the required subscribers. Each node of the chain takes
+/// no input before that, so nothing of a run is lost, whatever the order in which the nodes start.
 ///
-/// Inputs that answer the outputs are given two seconds more to be connected: a listener that was
-/// there before this node was started again hears of it before it is heard.
+/// Inputs that answer the outputs get two seconds more to be connected. After a restart of this
+/// node an older subscriber may already receive its messages although its own answers do not arrive
+/// yet.
 class StartGate {
  public:
   struct Requirement {
@@ -24,7 +25,8 @@ class StartGate {
     std::size_t subscribers = 0;
   };
 
-  /// Calls `start` once, from the callback queue of `handle`. Says now and then what is missing.
+  /// Calls `start` once, from the callback queue of `handle`. Reports from time to time what is
+  /// missing.
   StartGate(ros::NodeHandle& handle, std::vector<Requirement> requirements,
             std::function<void()> start, std::vector<ros::Subscriber> answers = {});
 

@@ -8,11 +8,11 @@
 
 namespace ring_gyro::nodes {
 
-/// What /diagnostics says of blocks that cannot be used, from one report to the next.
+/// Text about unusable blocks for /diagnostics, for the time since the last report.
 class UseWatch {
  public:
-  /// Counts of all so far; gives "none of the last 1000 blocks can be used: 1000 not locked", empty
-  /// when one could, or when none came.
+  /// `uses`: counts of all blocks so far. Gives "none of the last 1000 blocks can be used: 1000 not
+  /// locked"; empty when one of them could be used, or when no block arrived.
   std::string noneSinceLast(const cvg::BlockUseCounts& uses);
 
   static void addTo(diagnostic_updater::DiagnosticStatusWrapper& status,

@@ -19,8 +19,8 @@ class Converter {
 
   bool ideal() const { return ideal_; }
 
-  /// Brings each of `count` values [V] (whole lanes of the kernels) to the level nearest to it and
-  /// gives the number of those that lay beyond the range.
+  /// Rounds each of `count` values [V] (whole lanes of the kernels) to its nearest level and gives
+  /// the number of values that were outside the range.
   std::size_t convert(double* values, std::size_t count) const {
     return ideal_ ? 0 : quantise(step_, lowest_, highest_, count, values);
   }

@@ -8,8 +8,9 @@ namespace cvg {
 /// Drive that reaches the ring from an ideal modulator, by harmonics of the reference phase psi
 /// [V]: f(t) = constant + Re[fundamental e^{i psi} + second e^{2 i psi}].
 ///
-/// The last two are what the electrode's square law adds, equations (7) and (8): an electrode at
-/// V_bias + f pulls with (V_bias + f)^2, so a drive f acts as f + f^2 / (2 V_bias).
+/// The constant and the second harmonic come from the electrode's square law, equations (7) and
+/// (8): the force of an electrode at V_bias + f is proportional to (V_bias + f)^2, so a drive f
+/// acts as f + f^2 / (2 V_bias).
 struct DriveForce {
   DriveForce() = default;
   DriveForce(const Eigen::Vector2cd& phasor) : fundamental(phasor) {}  // NOLINT: a plain drive
@@ -32,7 +33,7 @@ struct ForcedMotion {
   Eigen::Vector2cd fundamental = Eigen::Vector2cd::Zero();
   Eigen::Vector2d constant = Eigen::Vector2d::Zero();
   Eigen::Vector2cd second = Eigen::Vector2cd::Zero();
-  bool harmonic = true;  ///< the last two are zero
+  bool harmonic = true;  ///< the constant and the second harmonic are zero
   double frequency = 0.0;
 
   /// Displacements and velocities [V, V, V/s, V/s] at a reference phase [rad].

@@ -7,13 +7,14 @@
 
 namespace cvg {
 
-/// Errors that the sensing and the driving side share: a gain matrix and a phase delay per axis.
+/// Errors that both the sensing and the driving side have: a gain matrix and a phase delay per
+/// axis.
 struct AxisErrors {
   double gain_x = 1.0;
   double gain_y = 1.0;
   double misalignment = 0.0;      ///< electrode y turned towards x [rad]
   double phase_delay = 0.0;       ///< of both axes, at the resonance [rad]
-  double phase_difference = 0.0;  ///< delay of y beyond that of x [rad]
+  double phase_difference = 0.0;  ///< delay of y minus delay of x [rad]
 
   /// Row per electrode: its direction, [[1, 0], [sin(misalignment), cos(misalignment)]].
   Eigen::Matrix2d alignmentMatrix() const;
@@ -30,7 +31,7 @@ struct SenseParameters {
   AxisErrors axes;
   double noise_density = 0.0;  ///< white, one-sided [V/sqrt(Hz)]
   double cubic = 0.0;          ///< capacitive gap: x (1 + cubic x^2) [1/V^2]
-  double feedthrough = 0.0;    ///< drive volt that appears in the pick-off, per volt
+  double feedthrough = 0.0;    ///< volt in the pick-off per volt of the drive
   std::int64_t adc_bits = 0;   ///< 0: ideal converter
   double adc_range = 2.0;      ///< saturates at +- this [V]; only with adc_bits > 0
 

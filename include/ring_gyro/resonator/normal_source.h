@@ -6,15 +6,15 @@
 
 namespace cvg {
 
-/// Reproducible standard normal numbers, fast: xoshiro128++ generators side by side feed a
-/// Box-Muller transform in single precision, all in vector registers.
+/// Fast reproducible standard normal numbers: parallel xoshiro128++ generators feed a Box-Muller
+/// transform in single precision, all in vector registers.
 ///
-/// The same seed gives the same numbers on every machine. They have 24 bits and end at 6.66; what
-/// they are added to keeps its own. Library generators were measured at 7 ns a number, which is
-/// more than the plant itself takes.
+/// The same seed gives the same numbers on every machine. The numbers have 24 bits and are at most
+/// 6.66; the samples that they are added to keep their full precision. A library generator takes
+/// 7 ns per number (measured), which is more than the plant itself takes.
 class NormalSource {
  public:
-  /// Generators side by side: two of the widest registers.
+  /// Number of parallel generators: two of the widest registers.
   static constexpr std::size_t kLanes = 32;
 
   explicit NormalSource(std::uint64_t seed);
@@ -24,7 +24,7 @@ class NormalSource {
   void addTo(double* samples, std::size_t count, double sigma) {
     addTo(samples, count, sigma, samples);
   }
-  /// The same, with the sums in `sums`.
+  /// The same, but writes the sums to `sums`.
   void addTo(const double* samples, std::size_t count, double sigma, double* sums);
 
  private:

@@ -15,7 +15,7 @@
 
 namespace cvg {
 
-/// What no instrument shows: the motion itself at the end of a block, and the device.
+/// True values that no instrument shows: the motion at the end of a block, and the device.
 struct PlantTruth {
   BlockStamp stamp;
   Eigen::Vector2cd envelope = Eigen::Vector2cd::Zero();  ///< against the NCO phase [V]
@@ -37,37 +37,37 @@ struct PlantParameters {
   RotationParameters rotation;
 };
 
-/// The gyroscope and its electronics in the time domain, one block of samples a step.
+/// The gyroscope and its electronics in the time domain, one block of samples per step.
 ///
-/// Linear resonator, rate constant in the block: exact, in one piece with an ideal modulator
-/// (RingResonator), sample by sample with a held drive. Cubic stiffness, a gap that closes, or a
-/// rate that varies within the block: sample by sample on the exact linear flow (SampledResonator),
-/// error below 1e-7 over a second.
+/// A linear resonator with a constant rate in the block is solved exactly: for a whole block with
+/// an ideal modulator (RingResonator), sample by sample with a held drive. With cubic stiffness, a
+/// gap that closes, or a rate that varies within the block, each sample is a step on top of the
+/// exact linear flow (SampledResonator); the error is below 1e-7 over a second.
 ///
-/// Same seed, same commands: same samples.
+/// The same seed and the same commands give the same samples.
 class PlantSimulator {
  public:
-  /// `start_ns`: time of the start of block 0 [ns], above zero. Throws std::invalid_argument naming
-  /// the parameter that cannot be used.
+  /// `start_ns`: time of the start of block 0 [ns], above zero. Throws std::invalid_argument,
+  /// naming a parameter that cannot be used.
   PlantSimulator(const PlantParameters& parameters, const ConverterParameters& converter,
                  std::uint64_t seed, std::uint32_t session, std::int64_t start_ns);
   ~PlantSimulator();
   PlantSimulator(PlantSimulator&&) noexcept;
   PlantSimulator& operator=(PlantSimulator&&) noexcept;
 
-  /// Block 0: nothing has been commanded, the drive is at rest.
+  /// Block 0: nothing has been commanded yet, the drive is zero.
   const DisplacementBlock& start();
   /// The next block under `command`. A command that is not finite is refused (std::domain_error).
   const DisplacementBlock& step(const DriveCommand& command);
-  /// The next block without a new command: envelope and frequency stay, the phase runs on.
+  /// The next block without a new command: envelope and frequency stay, the phase continues.
   const DisplacementBlock& coast();
 
-  /// Rate of the case [rad/s] from the next block on, beside that of the rotation profile: a rate
-  /// table at command, constant over a block. A rate that is not finite is refused
+  /// Rate of the case [rad/s] from the next block on, added to that of the rotation profile: a
+  /// commanded rate table, constant over a block. A rate that is not finite is refused
   /// (std::domain_error).
   void setRotationRate(double rate);
-  /// Temperature deviation [K] from the next block on, beside what temperature_rate brings: a step.
-  /// One that is not finite is refused (std::domain_error).
+  /// Step of the temperature deviation [K] from the next block on, added to that of
+  /// temperature_rate. A deviation that is not finite is refused (std::domain_error).
   void setTemperature(double deviation);
 
   /// Truth at the end of the last block.

@@ -17,7 +17,7 @@ struct ResonatorParameters {
   double gamma2 = 0.0;                 ///< damping mismatch across the axes
   double mu1 = 0.0;                    ///< stiffness mismatch along the axes
   double mu2 = 0.0;                    ///< stiffness mismatch across the axes
-  double drive_gain = 0.0;             ///< ks, drive volt to sensed acceleration [1/s^2]
+  double drive_gain = 0.0;             ///< ks, sensed acceleration per drive volt [1/s^2]
   double angular_gain = 1.0;           ///< k, the Bryan factor
   double cubic_stiffness = 0.0;        ///< relative stiffness per V^2: w0^2 c (x^2 + y^2) [1/V^2]
   double thermal_noise_density = 0.0;  ///< thermo-mechanical force noise, as drive [V/sqrt(Hz)]
@@ -29,8 +29,8 @@ struct ResonatorParameters {
   double feedback_capacitance = 0.0;   ///< CF of the charge amplifier [F]
   double modal_mass = 0.0;             ///< m [kg]
 
-  // Electrostatic tuning, second term of (8): an electrode at voltage V softens the stiffness along
-  // its direction by tuning_gain V^2 of w0^2. Directions in the plane of x and y: 0, 90, 45, 135
+  // Electrostatic tuning, second term of (8): an electrode at voltage V reduces the stiffness along
+  // its direction by tuning_gain V^2 w0^2. Directions in the plane of x and y: 0, 90, 45, 135
   // degrees.
   double tuning_gain = 0.0;         ///< C / (d^2 m w0^2) of a tuning electrode [1/V^2]
   double tuning_voltage_0 = 0.0;    ///< lowers mu1 [V]
@@ -49,11 +49,12 @@ struct ResonatorParameters {
   double decayRate() const { return dampingRatio() * angularFrequency(); }  ///< xi0 w0 [1/s]
 
   /// ks [1/s^2]: drive_gain, or eta_d eta_s / (m CF) with eta = Vdc C0 / d when the capacitors are
-  /// given. Throws std::invalid_argument when neither or both are, or when some are missing.
+  /// given. Throws std::invalid_argument when neither or both are given, or some capacitor values
+  /// are missing.
   double driveGain() const;
 
-  /// The same ring with its tuning voltages folded into f0, Q, mu1 and mu2.
-  /// Throws std::invalid_argument when they would pull it in.
+  /// The same ring with the effect of its tuning voltages included in f0, Q, mu1 and mu2.
+  /// Throws std::invalid_argument when the voltages would make it unstable (pull-in).
   ResonatorParameters tuned() const;
 
   void declare(ParameterTable& table);

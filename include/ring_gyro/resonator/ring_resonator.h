@@ -13,7 +13,7 @@ namespace cvg {
 
 /// A phasor-modulated signal pair over one block: the sample at time s after the block start is
 /// Re[e^{i w_ref s} sum_k coefficient_k (s / duration)^k + second e^{i w_2 s}] + constant, to 1e-13
-/// of the motion. The last two are the response to the drive's square; zero without it.
+/// of the motion. The last two terms are the response to the drive's square; zero without it.
 struct BlockMotion {
   PhasorSeries series;               ///< coefficients of both axes [V]
   double reference_frequency = 0.0;  ///< w_ref [rad/s]
@@ -29,8 +29,8 @@ struct BlockMotion {
 /// With M = [[1+m1, m2],[m2, 1-m1]] and C = 2 xi0 w0 G - 2 k Om J the equation u'' + C u' + w0^2 M
 /// u = ks f has the solution u(t) = Re[e^{S t} z + X_p e^{i psi}], where the 2x2 complex solvent S
 /// obeys S^2 + C S + w0^2 M = 0 (its conjugate is the other solvent) and X_p is the steady response
-/// to the drive phasor; those to a constant drive and to its second harmonic are added likewise. S
-/// - i w0 is slow, so e^{(S - i w0) s} is a short power series over a block.
+/// to the drive phasor. The responses to a constant drive and to the second harmonic are added in
+/// the same way. D = S - i w0 is small, so e^{D s} is a short power series over a block.
 class RingResonator {
  public:
   explicit RingResonator(const ResonatorParameters& parameters);
@@ -40,13 +40,13 @@ class RingResonator {
   void setState(const Eigen::Vector4d& state) { state_ = state; }
   void addToState(const Eigen::Vector4d& kick) { state_ += kick; }
 
-  /// Sets the rate of the case [rad/s] and the temperature deviation [K] for what follows.
+  /// Sets the rate of the case [rad/s] and the temperature deviation [K] from now on.
   void setConditions(double rotation_rate, double temperature);
   /// Counts the changes of the conditions, from 1.
   std::uint64_t conditionChanges() const { return condition_changes_; }
 
-  /// Motion over the next `duration` [s] under the drive whose steady motion is `forced`, from the
-  /// reference phase [rad] on; the state moves to its end.
+  /// Motion over the next `duration` [s] under the drive whose steady motion is `forced`, starting
+  /// at the reference phase [rad]; the state moves to the end of this time.
   /// Throws std::domain_error when the drive is so far from the resonance (or the block so long)
   /// that the series does not converge.
   const BlockMotion& propagate(const ForcedMotion& forced, double phase, double duration);
@@ -62,7 +62,7 @@ class RingResonator {
 
   /// Steady response [V] to the drive phasor at `frequency` [rad/s].
   Eigen::Vector2cd steadyResponse(const Eigen::Vector2cd& drive, double frequency) const;
-  /// The same to all harmonics of a drive.
+  /// Steady response to all harmonics of a drive.
   ForcedMotion steadyMotion(const DriveForce& drive, double frequency) const;
 
   /// Complex displacement at the present state, split into free and forced motion: the slow
@@ -75,7 +75,7 @@ class RingResonator {
   Eigen::Matrix4d flow(double time) const;
   /// Displacement per volt of a constant drive.
   Eigen::Matrix2d compliance() const;
-  /// D = S - i w0 [1/s]: the free envelope against w0 goes with e^{D t}.
+  /// D = S - i w0 [1/s]: the free envelope relative to e^{i w0 t} is proportional to e^{D t}.
   const Eigen::Matrix2cd& slowMotion() const { return slow_; }
   double driveGain() const { return drive_gain_; }
 

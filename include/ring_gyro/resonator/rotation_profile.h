@@ -25,13 +25,13 @@ struct RotationParameters {
 /// Rotation rate of the case about its axis against time since the start.
 class RotationProfile {
  public:
-  /// Throws std::invalid_argument (with file, line and mend) when the file cannot be used.
+  /// Throws std::invalid_argument (with file, line and remedy) when the file cannot be used.
   explicit RotationProfile(const RotationParameters& parameters);
 
   double rate(double time) const;  ///< [rad/s]
   /// Mean of the rate over [begin, end], exact [rad/s].
   double meanRate(double begin, double end) const;
-  /// Whether the rate is one value throughout [begin, end].
+  /// Whether the rate is constant over [begin, end].
   bool isConstant(double begin, double end) const;
 
  private:

@@ -20,22 +20,22 @@ struct BagIdentificationOptions {
   std::uint64_t start_sequence = 0;
 };
 
-/// Identifies from a recorded run with the code of the node, without any topic: one bag, or the
-/// parts of one run that was split over several.
+/// Identifies from a recorded run with the code of the node, but without topics: from one bag, or
+/// from several bags into which one run was split.
 class BagIdentification {
  public:
   using OnEstimate = StreamIdentifier::Sink;
   using OnProgress = std::function<void(double)>;
 
-  /// Opens the bags and puts them in the order of their begin. Throws BagError, and
-  /// std::invalid_argument when the configuration cannot be used.
+  /// Opens the bags and sorts them by their start. Throws BagError, and std::invalid_argument when
+  /// the configuration cannot be used.
   BagIdentification(const std::vector<std::string>& paths, cvg::LoopConfiguration configuration,
                     BagIdentificationOptions options = {});
 
   /// Bag time to be read [s].
   double length() const { return (to_ - from_).toSec(); }
-  /// `on_estimate`: each of them, in order; `on_progress`: bag time read so far [s], often called.
-  /// Throws std::runtime_error when an estimate is not finite.
+  /// `on_estimate` gets each estimate in order; `on_progress` often gets the bag time read so far
+  /// [s]. Throws std::runtime_error when an estimate is not finite.
   IdentificationResult run(const OnEstimate& on_estimate = {}, const OnProgress& on_progress = {});
 
  private:

@@ -28,7 +28,7 @@ class BagFields {
  public:
   explicit BagFields(std::string_view text) : text_(text) {}
 
-  /// Empty when there is no such field, or what stands there is not a list of fields.
+  /// Empty when there is no such field, or the bytes are not a list of fields.
   std::string_view get(std::string_view name) const;
   BagOp op() const;
   /// False when the field is missing or has another length.
@@ -45,7 +45,7 @@ class BagFields {
   std::string_view text_;
 };
 
-/// Time as it stands in a bag: seconds, nanoseconds, four bytes each.
+/// Time in the format of a bag: seconds, nanoseconds, four bytes each.
 ros::Time bagTime(const char* bytes);
 
 struct BagRecord {
@@ -53,7 +53,7 @@ struct BagRecord {
   std::string_view data;
 };
 
-/// Takes a record off the front of `rest`; false when it is not whole.
+/// Takes the first record off `rest`; false when it is not complete.
 bool takeRecord(std::string_view& rest, BagRecord& record);
 
 /// A message within a chunk.
@@ -63,26 +63,26 @@ struct ChunkMessage {
   std::string_view bytes;  ///< serialised
 };
 
-/// Whether the record is a message, and which.
+/// False when the record is not a message; otherwise gives the message.
 bool asMessage(const BagRecord& record, ChunkMessage& message);
 
-/// A bag, record by record, without more than one in memory.
+/// Reads a bag record by record, with at most one record in memory.
 class BagRecordFile {
  public:
-  /// Throws std::runtime_error when it cannot be opened or is no bag of format 2.0. Stands at the
-  /// first record then.
+  /// Moves to the first record. Throws std::runtime_error when the file cannot be opened or is not
+  /// a bag of format 2.0.
   explicit BagRecordFile(const std::string& path);
 
   std::uint64_t size() const { return size_; }
   std::uint64_t position() const { return position_; }
   std::uint64_t rest() const { return size_ - position_; }
 
-  /// Header of the next record and the length of its data. False, as below: there is none.
+  /// Header of the next record and the length of its data. False, as below, if there is no more.
   bool takeHeader(std::string& header, std::uint32_t& data_length);
   bool take(std::uint64_t count, std::string& bytes);
   bool skip(std::uint64_t count) { return count <= rest() && seek(position_ + count); }
   bool seek(std::uint64_t position);
-  /// Goes on to the next chunk that begins after `from`; to the end of the file when there is none.
+  /// Moves to the next chunk that begins after `from`, or to the end of the file if there is none.
   void seekChunk(std::uint64_t from);
 
  private:
@@ -95,11 +95,11 @@ class BagRecordFile {
 
 enum class ChunkState {
   kWhole,
-  kNoHeader,   ///< nothing tells how long it is
-  kUnreadable  ///< its data are not what its header says
+  kNoHeader,   ///< no header, so its length is unknown
+  kUnreadable  ///< its data do not fit its header
 };
 
-/// Takes the data of a chunk whose header has been taken; `packed` is room to work in.
+/// Takes the data of a chunk whose header has been taken; `packed` is working memory.
 ChunkState takeChunk(BagRecordFile& file, const std::string& header, std::uint32_t data_length,
                      std::string& packed, std::string& chunk);
 

@@ -11,8 +11,8 @@
 
 namespace ring_gyro::bridge {
 
-/// Has `on_message` get each message of this type, of whatever topic. Throws BagError when another
-/// version of this package wrote them.
+/// Adds a sink, so that `on_message` gets each message of this type from any topic. Throws BagError
+/// when another version of this package wrote them.
 template <typename Message, typename OnMessage>
 void addMessages(const BagFile& bag, const OnMessage& on_message, BagSinks& sinks) {
   for (const BagConnection& connection : bag.connections()) {
@@ -27,19 +27,19 @@ void addMessages(const BagFile& bag, const OnMessage& on_message, BagSinks& sink
   }
 }
 
-/// Messages that were left out for numbers that cannot be.
+/// Messages that were omitted because of impossible numbers.
 struct RefusedMessages {
   std::uint64_t count = 0;
   std::string first;  ///< which, and why
 
-  /// One line for people; empty when there is none.
+  /// One printed line; empty when there are no such messages.
   std::string text() const {
     return count == 0 ? "" : std::to_string(count) + " messages left out, first " + first;
   }
 };
 
-/// Has `on_signal` get the signal of each message of this type whose numbers can be. `refused` must
-/// outlive the reading. Throws as addMessages.
+/// Adds a sink, so that `on_signal` gets the signal of each message of this type whose numbers are
+/// possible. `refused` must outlive the reading. Throws like addMessages.
 template <typename Message, typename Signal, typename OnSignal>
 void addSignals(const BagFile& bag, const OnSignal& on_signal, BagSinks& sinks,
                 RefusedMessages& refused) {

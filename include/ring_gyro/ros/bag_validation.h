@@ -15,16 +15,16 @@ struct Finding {
   std::string text;
 };
 
-/// What is wrong with a recorded run as far as the data themselves can tell, without a
-/// configuration: warnings leave it usable, faults do not, or make its results wrong.
+/// Faults of a recorded run that can be found from the data alone, without a configuration. With
+/// warnings the run is usable; with faults it is not, or its results would be wrong.
 struct BagValidation {
-  std::string summary;  ///< what was looked at
+  std::string summary;  ///< the data that were checked
   std::vector<Finding> findings;
 
   bool hasFault() const;
 };
 
-/// Throws BagError when there is nothing to look at (see LoopBag).
+/// Throws BagError when the bag cannot be checked (see LoopBag).
 BagValidation validateBag(const std::string& path, const LoopTopics& topics = {});
 
 }  // namespace ring_gyro::bridge

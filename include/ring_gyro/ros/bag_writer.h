@@ -14,13 +14,13 @@
 
 namespace ring_gyro::bridge {
 
-/// A bag (lz4) with the promises of OutputFile. Until it is whole its name is NAME.xxxxxx.active,
-/// with six letters of its own; a bag that is not finished, or whose writer is killed, keeps that
-/// name, and identify and rosbag reindex read it as far as it goes. What cannot seek (a pipe) gets
-/// the whole bag by finish().
+/// A bag (lz4) that follows the rules of OutputFile. Until it is complete its name is
+/// NAME.xxxxxx.active, with six random characters. A bag that is not finished, or whose writer is
+/// killed, keeps that name, and identify and rosbag reindex read it as far as possible. An output
+/// that cannot seek (a pipe) gets the whole bag in finish().
 ///
-/// Throws std::runtime_error with one line: path, reason, mend, and where what was written until
-/// then is.
+/// Throws std::runtime_error with one line: path, reason, remedy, and the place of the part that
+/// was already written.
 class BagWriter {
  public:
   explicit BagWriter(const std::string& path);
@@ -28,8 +28,7 @@ class BagWriter {
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
 
-  /// The message is recorded at its own stamp, so that a bag does not depend on when it was
-  /// written.
+  /// Records the message at its own stamp, so that the bag does not depend on the time of writing.
   template <typename Message>
   void write(const std::string& topic, const Message& message) {
     require(topic, message.header.stamp);
@@ -37,9 +36,9 @@ class BagWriter {
     ++messages_;
   }
 
-  /// Closes; the bag is there.
+  /// Closes the bag and gives it its final name.
   void finish();
-  /// Closes and deletes: for data that turns out not to be fit for use.
+  /// Closes and deletes the bag: for data that turn out to be unusable.
   void discard() noexcept;
 
   const std::string& path() const { return output_.path(); }
@@ -49,7 +48,7 @@ class BagWriter {
   template <typename Action>
   void guarded(Action action) {
     try {
-      errno = 0;  // rosbag does not say why it could not write
+      errno = 0;  // rosbag does not report why it could not write
       action();
     } catch (const std::exception& error) {
       giveUp(errno, error.what());

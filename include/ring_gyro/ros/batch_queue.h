@@ -8,14 +8,14 @@
 
 namespace ring_gyro::bridge {
 
-/// Hands items from one thread to another in order, many at a time, with a bounded number on the
-/// way. Batches come back empty to be filled again, so that in the long run nothing is allocated.
+/// Passes items from one thread to another in order, in batches, with a bounded number on the way.
+/// Empty batches come back and are filled again, so that in the long run nothing is allocated.
 template <typename Item>
 class BatchQueue {
  public:
   using Batch = std::vector<Item>;
 
-  /// Writer: gives `batch` away for an empty one; false when the reader wants no more.
+  /// Writer: exchanges `batch` for an empty one; false when the reader wants no more.
   bool give(Batch& batch) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [this] { return full_.size() < kMostWaiting || cancelled_; });
@@ -29,13 +29,13 @@ class BatchQueue {
     changed_.notify_all();
     return true;
   }
-  /// Writer: nothing follows.
+  /// Writer: this was the last batch.
   void close() {
     const std::lock_guard<std::mutex> lock(mutex_);
     closed_ = true;
     changed_.notify_all();
   }
-  /// Reader: the next batch in exchange for one that has been read; false at the end.
+  /// Reader: exchanges a batch that has been read for the next one; false at the end.
   bool take(Batch& batch) {
     std::unique_lock<std::mutex> lock(mutex_);
     batch.clear();

@@ -16,43 +16,43 @@
 
 namespace ring_gyro::bridge {
 
-/// A message of a bag, serialised; good until the sink returns.
+/// A serialised message of a bag; valid until the sink returns.
 struct BagMessage {
   std::uint32_t connection = 0;
   ros::Time time;                 ///< of the bag
-  std::uint8_t* bytes = nullptr;  ///< readers of messages want bytes that they could change
+  std::uint8_t* bytes = nullptr;  ///< not const, because roscpp's deserialiser requires it
   std::uint32_t size = 0;
 };
 
-/// Who gets the messages of which connections.
+/// For each connection the function that gets its messages.
 using BagSinks = std::map<std::uint32_t, std::function<void(const BagMessage&)>>;
 
 /// Reads messages of a bag in the order of bag time, whatever their order in the file.
 ///
-/// A chunk is opened when the time reaches its first message and its messages are held until their
-/// time has come: each chunk is decompressed once, and what is held are the messages of the chunks
-/// that overlap at one time (rosbag::View decompresses a chunk whenever two messages that follow
-/// each other lie in different ones). When so many overlap that more than `most_held` bytes would
-/// be held, the later half is dropped and its chunks are opened once more when its time has come:
+/// A chunk is opened when the time reaches its first message, and its messages are held until their
+/// time comes. So each chunk is decompressed once, and memory holds the messages of the chunks that
+/// overlap at one time (rosbag::View decompresses a chunk whenever two consecutive messages are in
+/// different chunks). When so many chunks overlap that more than `most_held` bytes would be held,
+/// the later half of the messages is dropped, and its chunks are opened again when its time comes:
 /// a bag in random order is read in about 2 size / most_held passes.
 ///
-/// Messages with equal times come in the order that rosbag::View gives them (of up to 16
-/// connections; with more its order is that of an unstable sort).
+/// Messages with equal times come in the same order as from rosbag::View (for up to 16 connections;
+/// for more connections View's order is that of an unstable sort).
 class ChunkMerge {
  public:
   static constexpr std::size_t kMostHeld = 128u << 20;
 
   struct Outcome {
     std::uint64_t chunks_opened = 0;  ///< decompressions
-    BagLoss loss;                     ///< chunks that cannot be read are passed over
+    BagLoss loss;                     ///< unreadable chunks, which are skipped
   };
 
-  /// Messages with bag time in [from, to]. Throws std::runtime_error when the file cannot be
+  /// For messages with bag time in [from, to]. Throws std::runtime_error when the file cannot be
   /// opened.
   ChunkMerge(const std::string& path, const BagContents& contents, const BagSinks& sinks,
              const ros::Time& from, const ros::Time& to, std::size_t most_held = kMostHeld);
 
-  /// Once. Throws what the sinks throw.
+  /// To be called once. Throws what the sinks throw.
   Outcome run();
 
  private:
@@ -79,11 +79,11 @@ class ChunkMerge {
   struct Topic {
     std::uint32_t connection = 0;
     const std::function<void(const BagMessage&)>* sink = nullptr;
-    std::int64_t last_delivered = 0;         // which message of all
-    std::vector<std::unique_ptr<Run>> runs;  // a heap, the next message in front
+    std::int64_t last_delivered = 0;         // its number among all messages delivered
+    std::vector<std::unique_ptr<Run>> runs;  // a heap with the next message at the front
     std::unique_ptr<Run> fresh;              // of the chunk that is being opened
   };
-  /// When a chunk is to be opened.
+  /// The time at which a chunk must be opened.
   struct Opening {
     ros::Time time;
     std::size_t chunk;
@@ -92,9 +92,9 @@ class ChunkMerge {
     }
   };
   struct Pending {
-    bool open = false;  // yet to be opened, at
+    bool open = false;  // still to be opened, at `time`
     ros::Time time;
-    bool again = false;  // what came before has been delivered
+    bool again = false;  // opened before: messages up to delivered_ have been delivered
   };
 
   static bool later(const std::unique_ptr<Run>& a, const std::unique_ptr<Run>& b);
@@ -119,8 +119,8 @@ class ChunkMerge {
   std::vector<Topic*> active_;    // those with messages
   std::vector<Pending> pending_;  // by chunk
   std::priority_queue<Opening, std::vector<Opening>, std::greater<Opening>> openings_;
-  ros::Time horizon_;    // up to which messages are held
-  ros::Time delivered_;  // up to which all have been, when a horizon has been reached
+  ros::Time horizon_;    // messages are held up to here
+  ros::Time delivered_;  // after a horizon: all messages up to here have been delivered
   std::size_t held_ = 0;
   std::int64_t deliveries_ = 0;
   std::vector<std::unique_ptr<Run>> spare_;

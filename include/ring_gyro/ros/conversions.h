@@ -18,8 +18,8 @@
 
 namespace ring_gyro::bridge {
 
-// Core structs to messages and back. There and back gives the same bits. The target is overwritten
-// as a whole; it is an argument so that its memory can be used again.
+// Core structs to messages and back; both conversions together give the same bits. The target is
+// overwritten completely; it is an argument so that its memory is reused.
 
 /// 0 <= nanoseconds < 2^32 s; throws std::runtime_error outside.
 ros::Time timeFromNanoseconds(std::int64_t nanoseconds);
@@ -37,19 +37,19 @@ void toMessage(const cvg::OrbitalElements& elements, ring_gyro::OrbitalElements&
 void fromMessage(const ring_gyro::OrbitalElements& message, cvg::OrbitalElements& elements);
 
 void toMessage(const cvg::ControlGains& gains, ring_gyro::ControlGains& message);
-/// The drive is the sum of its parts; a message whose parts are all zero has its total instead,
-/// which then stands as the sustain drive.
+/// The drive is the sum of its parts. If all parts of the message are zero, its total is used as
+/// the sustain drive.
 void fromMessage(const ring_gyro::ControlGains& message, cvg::ControlGains& gains);
 
 void toMessage(const cvg::ParameterEstimate& estimate, ring_gyro::ParameterEstimate& message);
 void fromMessage(const ring_gyro::ParameterEstimate& message, cvg::ParameterEstimate& estimate);
 
-/// `data_stamp`: end of the data that the decision came from.
+/// `data_stamp`: end of the data that the decision was made from.
 void toMessage(const cvg::CompensationDecision& decision, const ros::Time& data_stamp,
                ring_gyro::CompensationGains& message);
 void fromMessage(const ring_gyro::CompensationGains& message, cvg::CompensationDecision& decision);
 
-/// `data`: stamp of the last block that the command came from.
+/// `data`: stamp of the last block that the command was computed from.
 void toMessage(const cvg::CalibrationCommand& command, const cvg::BlockStamp& data,
                ring_gyro::CalibrationCommand& message);
 void fromMessage(const ring_gyro::CalibrationCommand& message, cvg::CalibrationCommand& command);
@@ -57,9 +57,9 @@ void fromMessage(const ring_gyro::CalibrationCommand& message, cvg::CalibrationC
 void toMessage(const cvg::PlantTruth& truth, ring_gyro::PlantTruth& message);
 void fromMessage(const ring_gyro::PlantTruth& message, cvg::PlantTruth& truth);
 
-/// Rate and angle of the case about z as REP 145 wants them: of a pattern that turns by -k times
-/// the rotation. Stamped when the angle is valid, a group delay before the block's end. Covariances
-/// are unknown (zero), there is no accelerometer (-1). `angular_gain`: k.
+/// Rate and angle of the case about z as in REP 145, from a pattern that turns by -k times the
+/// rotation. The stamp is the time at which the angle is valid, a group delay before the block's
+/// end. Covariances are unknown (zero), there is no accelerometer (-1). `angular_gain`: k.
 void toMessage(const cvg::OrbitalElements& elements, double angular_gain, const std::string& frame,
                sensor_msgs::Imu& message);
 

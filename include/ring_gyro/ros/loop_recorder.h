@@ -8,16 +8,15 @@
 
 namespace ring_gyro::bridge {
 
-/// Writes what a loop in one process brings about, as the messages on the topics that the graph
-/// has.
+/// Records a loop that runs in one process, with the messages and topics of the graph.
 class LoopRecorder {
  public:
-  /// `raw`: the displacement blocks and drive commands too, by far the largest.
-  /// Throws std::runtime_error when the file cannot be written, as everything here does.
+  /// `raw`: also records displacement blocks and drive commands, by far the largest messages.
+  /// Throws std::runtime_error when the file cannot be written, as all functions here do.
   LoopRecorder(const std::string& path, bool raw);
 
   void write(const cvg::LoopRecord& record);
-  /// `last`: stamp of the last block; `cut`: the run was to go on, so that nobody announces an end.
+  /// `last`: stamp of the last block; `cut`: the run was interrupted, so no end is announced.
   void finish(const cvg::BlockStamp& last, bool cut = false);
 
   std::uint64_t messages() const { return writer_.messages(); }

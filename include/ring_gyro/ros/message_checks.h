@@ -10,34 +10,34 @@
 
 namespace ring_gyro::bridge {
 
-/// Why a message cannot be used: the first of its fields that cannot be.
+/// Why a message cannot be used: the first of its fields with an impossible value.
 struct MessageFault {
   cvg::Refusal kind = cvg::Refusal::kNone;
   const char* field = "";   ///< "reference_phase"
   const char* reason = "";  ///< what is wrong with it, the same for all its values: "is not finite"
-  std::string text;         ///< one line: field, value, what is allowed or the mend
+  std::string text;         ///< one line: field, value, allowed range or remedy
 
   explicit operator bool() const { return kind != cvg::Refusal::kNone; }
 };
 
-// The border between messages and the core: every number of every message is looked at here, before
-// anything is made of it. No fault: every number is finite and possible, and no square of it
-// overflows. What is left to others: stamps that are zero, that repeat or that step back, and
-// sessions (cvg::TimeGuard); samples, whose blocks the loops coast over (ControlLoops). A message
-// without a fault costs a sum of its fields.
+// The border between messages and the core: every number of every message is checked here before it
+// is used. No fault means that every number is finite and possible, and that its square does not
+// overflow. Not checked here: stamps that are zero, repeat or step back, and sessions
+// (cvg::TimeGuard); samples (ControlLoops coasts over such blocks). For a message without a fault
+// the check costs one sum of its fields.
 
 MessageFault faultOf(const ring_gyro::DisplacementBlock& message);
 MessageFault faultOf(const ring_gyro::DriveCommand& message);
 MessageFault faultOf(const ring_gyro::OrbitalElements& message);
-/// The drive must be the sum of its parts, but for rounding, unless all parts are zero.
+/// The drive must be the sum of its parts, except for rounding, unless all parts are zero.
 MessageFault faultOf(const ring_gyro::ControlGains& message);
 MessageFault faultOf(const ring_gyro::ParameterEstimate& message);
 MessageFault faultOf(const ring_gyro::CompensationGains& message);
 MessageFault faultOf(const ring_gyro::CalibrationCommand& message);
 MessageFault faultOf(const ring_gyro::PlantTruth& message);
 
-/// A message as the core may see it. With a fault its block is known and unusable, and none of its
-/// numbers goes any further.
+/// Converts a message for the core. With a fault the core gets the stamp of the block, marked
+/// unusable, and none of the message's numbers.
 MessageFault readChecked(const ring_gyro::OrbitalElements& message, cvg::OrbitalElements& elements);
 MessageFault readChecked(const ring_gyro::ControlGains& message, cvg::ControlGains& gains);
 

@@ -8,12 +8,12 @@
 
 namespace ring_gyro::bridge {
 
-/// Messages to publish by pointer, used again once nobody holds them any more: the loop allocates
-/// nothing per block. For one publishing thread; readers may be in others.
+/// Messages to publish by pointer. A message is reused when no reader holds it any more, so the
+/// loop allocates nothing per block. For one publishing thread; readers may be in other threads.
 template <typename Message>
 class MessagePool {
  public:
-  /// A message that is nobody else's, with the contents of some earlier use.
+  /// A message that nobody else holds; it still has the contents of an earlier use.
   boost::shared_ptr<Message> take() {
     for (std::size_t tried = 0; tried < messages_.size(); ++tried) {
       next_ = next_ + 1 < messages_.size() ? next_ + 1 : 0;

@@ -8,12 +8,12 @@
 
 namespace ring_gyro::bridge {
 
-/// The command that converts the messages of a bag to those of this version; the new bag lies
-/// beside it under a name that is free.
+/// The command that converts the messages of a bag to this version; the new bag is in the same
+/// folder under an unused name.
 std::string fixCommand(const BagFile& bag);
 
 /// Throws BagError, with that command, unless the messages of a connection have this checksum: C++
-/// reads none but today's.
+/// reads only messages of the present version.
 void requireVersion(const BagFile& bag, const BagConnection& connection, const std::string& md5);
 
 template <typename Message>

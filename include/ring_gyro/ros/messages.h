@@ -1,7 +1,7 @@
 #pragma once
 
-// The message types, ring_gyro::DriveCommand and so on: how a signal travels. The structs of the
-// same names in the namespace cvg are what the core computes with.
+// The message types, ring_gyro::DriveCommand and so on, which carry the signals on topics. The core
+// computes with the structs of the same names in the namespace cvg.
 
 #include "ring_gyro/CalibrationCommand.h"
 #include "ring_gyro/CompensationGains.h"

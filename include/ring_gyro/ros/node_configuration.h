@@ -7,13 +7,13 @@
 
 namespace ring_gyro::bridge {
 
-/// What a node is made from: the configuration that the tools read too, and the node's own section.
+/// The parameters of a node: the configuration that the tools also read, and the section `node`.
 struct NodeConfiguration {
   cvg::LoopConfiguration loop;
   cvg::NodeParameters node;
 };
 
-/// All parameters in the namespace of `private_handle`, less those that belong to ROS packages.
+/// All parameters in the namespace of `private_handle`, except those that belong to ROS packages.
 YAML::Node parametersOf(const ros::NodeHandle& private_handle);
 
 /// Reads and checks the private parameters of a node. Throws ConfigurationError, and

@@ -15,18 +15,18 @@ namespace ring_gyro::bridge {
 struct RecordedPair {
   cvg::OrbitalElements elements;
   cvg::ControlGains gains;
-  double rotation_rate = 0.0;  ///< as the truth of a simulated run says; 0 without [rad/s]
+  double rotation_rate = 0.0;  ///< from the truth of a simulated run; 0 without it [rad/s]
 };
 
-/// A recorded run in memory, about 0.4 kB a block.
+/// A recorded run in memory, about 0.4 kB per block.
 struct RecordedRun {
   std::vector<RecordedPair> pairs;
   std::optional<cvg::PlantTruth> truth;  ///< the last, of a simulated run
-  std::vector<std::string> damage;       ///< what could not be read, one line each
+  std::vector<std::string> damage;       ///< unreadable parts, one line each
 };
 
-/// Reads one run, which may be split over several bags: pairs by cvg::PairMerge, the truth where a
-/// bag has it. `start` and `duration` (0: to the end) in bag time from the begin [s]. Throws
+/// Reads one run, which may be split over several bags: pairs by cvg::PairMerge, the truth if a
+/// bag has it. `start` and `duration` (0: to the end) are bag time from the beginning [s]. Throws
 /// BagError.
 RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTopics& topics = {},
                             double start = 0.0, double duration = 0.0);

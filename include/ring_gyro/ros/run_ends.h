@@ -10,8 +10,8 @@ namespace ring_gyro::bridge {
 /// The last block that the plant announced, by session.
 using RunEnds = std::map<std::uint32_t, std::uint64_t>;
 
-/// Has `ends` get what the end_of_run messages of a bag say, whatever their topic; it must outlive
-/// the reading. Throws BagError when another version of this package wrote them.
+/// Adds a sink that stores the end_of_run messages of a bag, from any topic, in `ends`; `ends` must
+/// outlive the reading. Throws BagError when another version of this package wrote them.
 void addRunEnds(const BagFile& bag, RunEnds& ends, BagSinks& sinks);
 
 }  // namespace ring_gyro::bridge

@@ -10,22 +10,22 @@
 
 namespace ring_gyro::bridge {
 
-/// Puts messages that arrive topic by topic into the order of session and stamp, those of one stamp
-/// in the order of their topics. Each topic by itself is in order.
+/// Sorts messages of several topics by session and stamp; messages with the same stamp are in the
+/// order of their topics. Each topic must already be in order.
 ///
-/// A message goes on when no topic can still send an earlier one: each has sent one as late, or a
-/// topic that sends once a period has sent that of the period before, or nobody publishes it. The
-/// result depends on the messages alone, not on when they arrive, unless a topic is late by more
-/// than what may wait: then the earliest go on without it, and what it sends later than that is
-/// counted.
+/// A message is written when no topic can still send an earlier one. For each topic this is so when
+/// it has sent a message that is as late, or, if it sends once per period, its message of the
+/// previous period, or when nobody publishes it. So the result depends only on the messages, not on
+/// when they arrive. Exception: a topic is later than the limits allow; then the earliest messages
+/// are written without it, and its late messages are counted.
 class StampMerge {
  public:
   struct Topic {
-    bool waited_for = true;           ///< otherwise last of its stamp, and it delays nobody
-    std::int64_t pause_ns = 0;        ///< after each message, in which no other has its stamp
-    std::function<bool()> published;  ///< whether anybody sends; asked only when it is late
+    bool waited_for = true;           ///< false: last of its stamp, and no message waits for it
+    std::int64_t pause_ns = 0;        ///< after each message, with no other message of this topic
+    std::function<bool()> published;  ///< whether it has a publisher; called only when it is late
   };
-  /// What may wait at most.
+  /// Limits of the waiting messages.
   struct Limits {
     std::size_t bytes = 0;
     std::int64_t span_ns = std::numeric_limits<std::int64_t>::max();  ///< of stamps
@@ -34,22 +34,23 @@ class StampMerge {
 
   explicit StampMerge(const Limits& limits) : limits_(limits) {}
 
-  /// Gives its number: 0, 1, 2, ...
+  /// Gives the number of the topic: 0, 1, 2, ...
   std::size_t addTopic(Topic topic);
-  /// `bytes`: what `write` keeps; `write` is called once, now or later. Throws what it throws.
+  /// `bytes`: memory that `write` holds; `write` is called once, now or later. Throws what it
+  /// throws.
   void add(std::size_t topic, std::uint32_t session, std::int64_t stamp_ns, std::size_t bytes,
            Write write);
-  /// All that waits goes on.
+  /// Writes all waiting messages.
   void flush();
 
-  /// Messages that came after a later one had gone on.
+  /// Number of messages that arrived after a later one had been written.
   std::uint64_t late() const { return late_; }
 
  private:
   struct Place {
-    std::size_t session = 0;  // how many came before
+    std::size_t session = 0;  // number of sessions before it
     std::int64_t stamp_ns = 0;
-    bool at_the_end = false;  // of its stamp
+    bool at_the_end = false;  // last of its stamp
     bool operator<(const Place& other) const {
       return std::tie(session, stamp_ns, at_the_end) <
              std::tie(other.session, other.stamp_ns, other.at_the_end);
@@ -63,7 +64,7 @@ class StampMerge {
   struct Queue {
     Topic topic;
     bool any = false;
-    Place complete;  // nothing up to here is still to come
+    Place complete;  // no more messages up to here will arrive
     std::deque<Waiting> waiting;
   };
 
@@ -77,7 +78,7 @@ class StampMerge {
   std::vector<std::uint32_t> sessions_;
   std::size_t bytes_ = 0;
   Place newest_;
-  Place last_;  // that has gone on
+  Place last_;  // of the last written message
   std::uint64_t late_ = 0;
 };
 

@@ -13,21 +13,21 @@
 
 namespace ring_gyro::bridge {
 
-/// From messages to estimates: merge, filter and the account of both. The node and the tools for
-/// bags feed the very same object, which is why their estimates are the same to the last bit.
+/// From messages to estimates: merge, filter and the report about both. The node and the tools for
+/// bags use this same class, so their estimates are the same to the last bit.
 class StreamIdentifier {
  public:
   using Sink = std::function<void(const cvg::ParameterEstimate&)>;
 
-  /// `sink` gets each estimate. `start_sequence`: the filter sees nothing before the first pair
-  /// with this sequence or a later one, as one that was started there.
-  /// Throws std::invalid_argument naming what cannot be used.
+  /// `sink` gets each estimate. `start_sequence`: the filter begins with the first pair of this or
+  /// a later sequence, like an identifier that was started there. Throws std::invalid_argument,
+  /// naming a parameter that cannot be used.
   StreamIdentifier(const cvg::LoopConfiguration& configuration, Sink sink,
                    std::uint64_t start_sequence = 0);
   StreamIdentifier(const StreamIdentifier&) = delete;
   StreamIdentifier& operator=(const StreamIdentifier&) = delete;
 
-  /// What is wrong with the message; then its block is one that cannot be used.
+  /// Gives the fault of the message, if any; its block is then unusable.
   MessageFault add(const ring_gyro::OrbitalElements& message);
   MessageFault add(const ring_gyro::ControlGains& message);
   void add(const cvg::OrbitalElements& elements) { merge_.add(elements); }
@@ -35,11 +35,11 @@ class StreamIdentifier {
   /// The input has ended.
   void flush();
 
-  /// Of the last pair; null before the first.
+  /// Stamp of the last pair; null before the first.
   const cvg::BlockStamp* last() const {
     return merge_.counts().pairs > 0 ? &report_.last : nullptr;
   }
-  /// Elements and gains without their partner so far.
+  /// Number of elements and gains that wait for their partner.
   std::size_t waiting() const { return merge_.waiting(); }
   IdentificationReport report() const;
 

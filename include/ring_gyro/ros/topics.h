@@ -2,7 +2,7 @@
 
 namespace ring_gyro::bridge::topics {
 
-// Relative, so that a namespace or a remapping moves them.
+// Relative names, so that a namespace or a remapping changes them.
 constexpr char kDisplacement[] = "displacement";
 constexpr char kDriveCommand[] = "drive_command";
 constexpr char kOrbitalElements[] = "orbital_elements";

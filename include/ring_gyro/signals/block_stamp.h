@@ -4,10 +4,10 @@
 
 namespace cvg {
 
-/// Which block of converter samples something belongs to, and when that block was.
+/// The block of converter samples that a signal belongs to, and the time of that block.
 ///
-/// Blocks are the clock of the loop: every signal carries the stamp of its block, pairing is by
-/// sequence and durations come from stamps, never from a wall clock.
+/// Blocks are the clock of the loop: every signal carries the stamp of its block, signals are
+/// paired by sequence, and durations come from stamps, never from a wall clock.
 struct BlockStamp {
   std::uint32_t session = 0;     ///< differs at each start of the plant
   std::uint64_t sequence = 0;    ///< block number since that start

@@ -6,7 +6,7 @@
 
 namespace cvg {
 
-/// What the injector is doing, for people and for the latched status.
+/// State of the injector, for display and for the latched status.
 enum class InjectorState : std::uint8_t {
   kDisabled = 0,  ///< switched off: ramping to or at zero
   kWaiting = 1,   ///< estimate not good enough yet
@@ -23,7 +23,7 @@ struct CompensationDecision {
   std::uint64_t effective_sequence = 0;
   std::uint64_t data_sequence = 0;  ///< last block of the estimate it came from
   DampingCompensation gains;
-  double gamma1 = 0.0;  ///< that the gains cancel, given the estimate of ks
+  double gamma1 = 0.0;  ///< mismatch that the gains cancel if the estimate of ks is right
   double gamma2 = 0.0;
   InjectorState state = InjectorState::kWaiting;
 };

@@ -6,7 +6,7 @@
 
 namespace cvg {
 
-/// Drive envelopes [V] by what they are for; their sum is what was commanded.
+/// Drive envelopes [V] by purpose; their sum is the commanded drive.
 struct DriveContributions {
   Envelope sustain = Envelope::Zero();
   Envelope quadrature = Envelope::Zero();
@@ -23,14 +23,14 @@ struct DampingCompensation {
   double gain2 = 0.0;  ///< [V / (V/s)]
 };
 
-/// What acted in one block, [stamp.end - duration, stamp.end).
+/// Drive and gains that acted in one block, [stamp.end - duration, stamp.end).
 struct ControlGains {
   BlockStamp stamp;
   double reference_frequency = 0.0;  ///< w of the NCO [rad/s]
   double reference_phase = 0.0;      ///< of the NCO at the block start [rad]
   double beta = 0.0;   ///< sustain gain, drive volt per V/s [s]; 0 while a is too small
   double alpha = 0.0;  ///< quadrature gain, drive volt per displacement volt
-  /// Steering that acted: as a rotation k Om of this, theta falls [rad/s].
+  /// Steering that acted, given as the equal rotation k Om: if positive, theta falls [rad/s].
   double virtual_rate = 0.0;
   DampingCompensation compensation;
   DriveContributions drive;

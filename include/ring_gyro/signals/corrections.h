@@ -7,14 +7,14 @@
 
 namespace cvg {
 
-/// How the path from the commanded drive to the measured motion departs from ks alone, the whole of
-/// what a linear error can do to it:
+/// Deviation of the path from the commanded drive to the measured motion from the factor ks. This
+/// form contains every possible linear error:
 ///
 ///     e^{-i phase} [I + (mismatch + i phase_mismatch) S1 + (skew + i phase_skew) S2
 ///                   + (rotation + i rotation_phase) J],
 ///     S1 = diag(1, -1), S2 = offdiag(1, 1), J = [[0, 1], [-1, 0]].
 ///
-/// Drive and pick-off have a share in each; what acts on the loops is the product.
+/// Drive and pick-off both contribute to each number; only their product acts on the loops.
 struct DrivePath {
   double phase = 0.0;           ///< delay of both axes [rad]
   double mismatch = 0.0;        ///< half the relative gain difference of x and y
@@ -29,18 +29,18 @@ struct DrivePath {
   static DrivePath of(const Eigen::Matrix2cd& matrix);
 };
 
-/// What a calibration found and the loops correct, each part on its own switch.
+/// What a calibration found and the loops correct, each part with its own switch.
 ///
-/// In the order in which a signal meets them: the cubic of the pick-off is undone on the envelope;
-/// the loops see the corrected orbit; steering cancels the drift that depends on the angle alone;
-/// velocity feedback cancels the damping mismatch (35); the drive is turned by the inverse of its
-/// path; the angle map makes the output angle from theta. docs/calibration.md says why in this
+/// In the order of the signal path: the cubic of the pick-off is undone on the envelope; the loops
+/// see the corrected orbit; steering cancels the drift that depends on the angle only; velocity
+/// feedback cancels the damping mismatch (35); the drive is multiplied by the inverse of its path;
+/// the angle map makes the output angle from theta. docs/calibration.md gives the reason for this
 /// order.
 struct Corrections {
   bool correct_pickoff = true;
   bool correct_phase = true;           ///< DrivePath::phase
   bool correct_drive_gains = true;     ///< DrivePath::mismatch, skew, rotation
-  bool correct_phase_mismatch = true;  ///< and their phases
+  bool correct_phase_mismatch = true;  ///< the phases of these three
   bool cancel_damping = true;
   bool cancel_drift = true;
   bool map_angle = true;
@@ -49,10 +49,10 @@ struct Corrections {
   DrivePath drive_path;
   double gamma1 = 0.0;       ///< damping mismatch to be cancelled
   double gamma2 = 0.0;       ///< the same across the axes
-  AngleHarmonics drift;      ///< rate of the pattern at a case at rest [rad/s]
-  AngleHarmonics angle_map;  ///< output angle less theta [rad]
+  AngleHarmonics drift;      ///< rate of the pattern while the case is at rest [rad/s]
+  AngleHarmonics angle_map;  ///< output angle minus theta [rad]
 
-  /// Envelope [V] of the motion itself from a measured one: X in X (1 + 3/4 cubic |X|^2), per axis.
+  /// Envelope [V] of the motion from the measured envelope X (1 + 3/4 cubic |X|^2), per axis.
   Eigen::Vector2cd undistorted(const Eigen::Vector2cd& measured) const;
   /// Inverse of the switched-on parts of the drive path.
   Eigen::Matrix2cd driveCorrection() const;

@@ -16,8 +16,9 @@ struct DisplacementBlock {
   bool driven = false;
   double reference_phase = 0.0;         ///< of the NCO at the first sample [rad]
   double reference_frequency = 0.0;     ///< of the NCO in this block [rad/s]
-  std::uint32_t saturated_samples = 0;  ///< samples at the end of the converter's range
-  /// Samples of the drive that its converter cut to its range: it was not what was commanded.
+  std::uint32_t saturated_samples = 0;  ///< samples at the limit of the converter's range
+  /// Drive samples that the drive's converter clipped to its range: the drive was not the commanded
+  /// one.
   std::uint32_t clipped_drive_samples = 0;
   AlignedVector x;  ///< [V]
   AlignedVector y;  ///< [V]

@@ -5,12 +5,13 @@
 
 namespace cvg {
 
-/// Orbit of the vibration over a cycle, equations (14)(15): an ellipse with major semi-axis a and
-/// minor semi-axis b (signed by its sense) [V] at angle theta [rad], passed with phase phi [rad]:
+/// Orbit of the vibration over a cycle, equations (14)(15): an ellipse with major semi-axis a [V],
+/// minor semi-axis b [V] (its sign is the sense of the motion), angle theta [rad] and phase phi
+/// [rad]:
 ///
 ///     [X; Y] = e^{i phi} R(theta) [a; -i b],   x(t) = Re[X e^{i psi}].
 ///
-/// (theta + pi, phi + pi) is the same motion; phi in (-pi, 0] is the branch used throughout.
+/// (theta + pi, phi + pi) is the same motion; the branch with phi in (-pi, 0] is always used.
 struct Orbit {
   double a = 0.0;
   double b = 0.0;

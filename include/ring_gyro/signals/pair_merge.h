@@ -12,39 +12,40 @@
 
 namespace cvg {
 
-/// Brings elements and gains of the same block together: the one way into the identifier, online
-/// and offline.
+/// Pairs elements and gains of the same block. All input of the identifier, online and offline,
+/// goes through this class.
 ///
-/// Each topic is in order, so when the oldest waiting elements and the oldest waiting gains are of
-/// different blocks, the partner of the older one can never come: it is dropped and counted. What
-/// is older follows from the data alone, never from a timeout. Within a session: fewer steps back
-/// of its topic, then the smaller sequence. Of two sessions: the one that its topic too leaves for
-/// the other's. Duplicates, zero stamps and what goes on in a session that was left are left out
-/// and counted.
+/// Each topic is in order. So when the oldest waiting elements and the oldest waiting gains are of
+/// different blocks, the partner of the older one can never arrive, and the older one is dropped
+/// and counted. Which one is older follows from the data, never from a timeout. Within a session it
+/// is the one after fewer steps back of its topic, then the one with the smaller sequence. Of two
+/// sessions it is the one that both topics leave for the other. Duplicates, zero stamps, and blocks
+/// of an earlier session that arrive after a new one has begun are dropped and counted.
 ///
-/// When one topic falls silent the other does not wait for ever: of more than kMostWaiting blocks
-/// the oldest is taken for one whose partner was lost, and counted.
+/// When one topic stops, the other does not wait for ever: if more than kMostWaiting blocks wait,
+/// the partner of the oldest is considered lost, and this is counted.
 class PairMerge {
  public:
-  /// Blocks of one topic that wait for the other, two minutes of 1 ms: more than what the sockets
-  /// between two nodes can hold, so that no loss depends on the order in which they are read.
+  /// Blocks of one topic that may wait for the other: two minutes of 1 ms blocks. This is more than
+  /// the sockets between two nodes can hold, so no loss depends on which socket is read first.
   static constexpr std::size_t kMostWaiting = 1 << 17;
 
   struct Counts {
     std::uint64_t pairs = 0;
     std::uint64_t elements_alone = 0;  ///< elements whose gains were lost
     std::uint64_t gains_alone = 0;     ///< gains whose elements were lost
-    std::uint64_t overdue = 0;         ///< of both: partner not there kMostWaiting blocks later
+    std::uint64_t overdue = 0;         ///< of both: partner missing kMostWaiting blocks later
   };
   using Sink = std::function<void(const OrbitalElements&, const ControlGains&)>;
 
-  /// `sink` gets the pairs in order; it may flush, but not add.
+  /// `sink` gets the pairs in order; it may call flush(), but must not add.
   explicit PairMerge(Sink sink) : sink_(std::move(sink)) {}
 
   void add(const OrbitalElements& elements);
   void add(const ControlGains& gains);
 
-  /// The input has ended: what still waits is alone. Pairs may follow, as of a new start.
+  /// The input has ended: every waiting signal has no partner. New pairs may follow, as after a new
+  /// start.
   void flush();
 
   const Counts& counts() const { return counts_; }

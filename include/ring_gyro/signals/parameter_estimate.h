@@ -16,8 +16,9 @@ using StateMatrix = Eigen::Matrix<double, 7, 7>;
 /// States of the identifier, equation (29).
 enum StateIndex { kA = 0, kB, kGamma1, kGamma2, kMu1, kMu2, kDriveGain };
 
-/// Covariance of the state, worked out when it is asked for: by the filter, as long as that has not
-/// gone on, which is as long as the estimate that carries it is good; a copy holds the numbers.
+/// Covariance of the state, computed only on request, because that takes time. The filter computes
+/// it, so the request must come before the filter's next step; until then the estimate that carries
+/// it is valid too. A copy contains the numbers.
 class StateCovariance {
  public:
   StateCovariance() = default;  ///< zero
@@ -32,7 +33,7 @@ class StateCovariance {
     matrix_ = matrix;
     filter_ = nullptr;
   }
-  /// Of `filter`, which gives it as filter.covariance().
+  /// Covariance of `filter`, from filter.covariance().
   template <typename Filter>
   void setTo(const Filter& filter) {
     filter_ = &filter;
@@ -52,26 +53,28 @@ struct ParameterEstimate {
   BlockStamp stamp;                  ///< last block of the period
   std::uint64_t first_sequence = 0;  ///< first block that the identifier saw in this session
   std::uint64_t used_blocks = 0;     ///< since then
-  /// Not locked, saturated or invalid, or in the period of such a block. Used, rejected and lost
-  /// blocks add up to all from first_sequence to stamp.sequence.
+  /// Blocks that are not locked, saturated or invalid, and the other blocks of such a period. Used,
+  /// rejected and lost blocks together are all blocks from first_sequence to stamp.sequence.
   std::uint64_t rejected_blocks = 0;
   std::uint64_t lost_blocks = 0;  ///< gaps in the sequence
   bool updated = false;           ///< whether this period's data entered the estimate
-  /// Units of (29). Zero, with the initial variance, until the scale of ks has been found.
+  /// In the units of (29). Zero, with the initial variance, until the scale of ks has been found.
   StateVector value = StateVector::Zero();
   ParameterVector parameter_variance = ParameterVector::Zero();
   StateCovariance covariance;  ///< its lower right diagonal is parameter_variance
-  /// Of the mean a, b over the period [V]; of its last block while filtering block by block.
+  /// Of the mean a, b over the period [V], or of its last block while the filter runs block by
+  /// block.
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
   Eigen::Matrix2d innovation_covariance = Eigen::Matrix2d::Zero();  ///< [V^2]
   double normalised_innovation_squared = 0.0;
   double residual_gamma1 = 0.0;  ///< damping mismatch that the acting compensation leaves
   double residual_gamma2 = 0.0;
-  double angle_covered = 0.0;  ///< span of theta seen [rad]
-  /// Every sigma below its limit and enough of the angle seen (IdentificationParameters).
+  double angle_covered = 0.0;  ///< span of theta in the data used [rad]
+  /// Every sigma is below its limit and the span of theta is large enough
+  /// (IdentificationParameters).
   bool converged = false;
 
-  /// Of a parameter. Throws std::out_of_range for kA and kB.
+  /// Variance of a parameter. Throws std::out_of_range for kA and kB.
   double variance(StateIndex index) const {
     if (index < kGamma1) {
       throw std::out_of_range("variance of a or b: ask the covariance of the estimate for it");

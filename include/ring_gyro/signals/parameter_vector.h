@@ -4,7 +4,7 @@
 
 namespace cvg {
 
-/// A number for each device parameter, in the order of (29): gamma1, gamma2, mu1, mu2, ks.
+/// One number per device parameter, in the order of (29): gamma1, gamma2, mu1, mu2, ks.
 using ParameterVector = Eigen::Matrix<double, 5, 1>;
 
 }  // namespace cvg

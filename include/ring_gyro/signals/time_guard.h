@@ -6,7 +6,7 @@
 
 namespace cvg {
 
-/// How a stamp follows the one before it on the same topic.
+/// Relation of a stamp to the previous one on the same topic.
 enum class StampOrder {
   kFirst,
   kNext,         ///< the block after the last
@@ -14,11 +14,11 @@ enum class StampOrder {
   kDuplicate,    ///< the last block again
   kStepBack,     ///< an earlier block, or a later one with an earlier time: a bag that loops
   kNewSession,   ///< the plant has been started again
-  kLeftSession,  ///< of the session before, going on: another plant that still runs
-  kZero,         ///< no time at all: says nothing
+  kLeftSession,  ///< the session before this one continues: a second plant is still running
+  kZero,         ///< no time: the stamp cannot be used
 };
 
-/// Sorts the stamps of one topic into those that follow and those that do not, and counts.
+/// Classifies the stamps of one topic and counts those that are not next.
 class TimeGuard {
  public:
   struct Counts {
@@ -27,13 +27,14 @@ class TimeGuard {
     std::uint64_t duplicates = 0;
     std::uint64_t steps_back = 0;
     std::uint64_t new_sessions = 0;
-    std::uint64_t left_sessions = 0;  ///< blocks of a session that had been left
+    std::uint64_t left_sessions = 0;  ///< blocks of the session before the present one
     std::uint64_t zero_stamps = 0;
   };
 
-  /// What is not usable is not remembered: the next is compared with what came before.
+  /// A stamp that is not usable is not remembered: the next one is compared with the last usable
+  /// stamp.
   StampOrder check(const BlockStamp& stamp);
-  /// What check() would say, without counting or remembering.
+  /// The result that check() would give, without counting or remembering.
   StampOrder order(const BlockStamp& stamp) const;
 
   const Counts& counts() const { return counts_; }
@@ -42,11 +43,11 @@ class TimeGuard {
   bool started_ = false;
   BlockStamp last_;
   bool left_any_ = false;
-  BlockStamp left_;  // last of the session before
+  BlockStamp left_;  // last of the previous session
   Counts counts_;
 };
 
-/// Whether a block with this order is to be used at all.
+/// Whether a block with this order may be used.
 constexpr bool isUsable(StampOrder order) {
   return order != StampOrder::kDuplicate && order != StampOrder::kZero &&
          order != StampOrder::kLeftSession;

@@ -16,7 +16,7 @@ namespace cvg {
 /// lockstep graph exchanges its messages, so that the results are the same.
 class CalibrationRun {
  public:
-  /// `configuration.corrections` is in force from the start. Throws std::invalid_argument.
+  /// `configuration.corrections` acts from the start. Throws std::invalid_argument.
   explicit CalibrationRun(const LoopConfiguration& configuration);
 
   struct Step {
@@ -24,7 +24,7 @@ class CalibrationRun {
     const LoopOutput& loops;
     const std::optional<CalibrationCommand>& command;
   };
-  /// One block. What it refers to is good until the next call.
+  /// One block. The references in the result are valid until the next call.
   Step step();
 
   const CalibrationResult& result() const { return procedure_.result(); }

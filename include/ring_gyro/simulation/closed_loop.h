@@ -12,19 +12,19 @@
 
 namespace cvg {
 
-/// Everything that one block brought about.
+/// All results of one block.
 struct LoopRecord {
   const DisplacementBlock& displacement;
   const LoopOutput& loops;
-  const ParameterEstimate* estimate;     ///< null but at the end of a period
-  const CompensationDecision* decision;  ///< null but when there is an estimate
+  const ParameterEstimate* estimate;     ///< null except at the end of a period
+  const CompensationDecision* decision;  ///< null when there is no estimate
   const PlantSimulator& plant;
 
-  /// Worked out when asked for.
+  /// Computed on request.
   PlantTruth truth() const { return plant.truth(); }
 };
 
-/// The whole loop in one process: the classes that the nodes wrap, called in the order in which the
+/// The whole loop in one process: the classes that the nodes use, called in the order in which the
 /// lockstep graph exchanges its messages, so that the results are the same.
 class ClosedLoop {
  public:
@@ -32,7 +32,7 @@ class ClosedLoop {
   ClosedLoop(const ClosedLoop&) = delete;
   ClosedLoop& operator=(const ClosedLoop&) = delete;
 
-  /// One block. What the record refers to is good until the next call.
+  /// One block. The references in the record are valid until the next call.
   LoopRecord step();
 
   PlantSimulator& plant() { return plant_; }

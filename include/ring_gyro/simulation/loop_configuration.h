@@ -16,7 +16,7 @@
 
 namespace cvg {
 
-/// How a simulation is run.
+/// Settings of a simulation run.
 struct RunParameters {
   double duration = 130.0;   ///< simulated; 0: until stopped [s]
   std::int64_t seed = 1;     ///< of all noise
@@ -24,16 +24,16 @@ struct RunParameters {
   double start_time = 1.0;   ///< stamp of the start of block 0 [s]
 
   std::int64_t startNanoseconds() const;
-  /// `session`, or one from the wall clock that no other start shares.
+  /// `session`, or if this is 0 a number from the wall clock that no other start has.
   std::uint32_t sessionIdentifier() const;
-  /// What `session` has to be for another start to be told from this one.
+  /// The `session` for the next start, so that it differs from this one.
   std::int64_t followingSession() const;
   /// Blocks in `duration`; 0: until stopped.
   std::uint64_t blocks(const ConverterParameters& converter) const;
   void declare(ParameterTable& table);
 };
 
-/// Everything that a run of the loop is made from; one YAML file holds it for nodes and tools.
+/// The complete configuration of a run of the loop; nodes and tools read it from one YAML file.
 struct LoopConfiguration {
   RunParameters run;
   ConverterParameters converter;
@@ -46,7 +46,7 @@ struct LoopConfiguration {
   ExtendedParameters extended;
   InjectorParameters compensation;
   CalibrationRunParameters calibration_run;
-  /// Files that it was read from, that of the rotation included: no output may be one of them.
+  /// Files that it was read from, including the rotation file: no output may be one of them.
   std::vector<std::string> files;
 
   /// The sections in the order of the file: run, converter, device, resonator, sense, drive,

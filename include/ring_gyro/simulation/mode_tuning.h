@@ -10,17 +10,18 @@
 
 namespace cvg {
 
-/// Squared tuning voltages that soften along (0 less 90 degrees) and across (45 less 135) [V^2].
+/// Differences of squared tuning voltages [V^2] that soften along (0 minus 90 degrees) and across
+/// (45 minus 135 degrees) the axes.
 struct TuningSquares {
   double along = 0.0;
   double across = 0.0;
 
   static TuningSquares of(const ResonatorParameters& ring);
-  /// One electrode of each pair carries the voltage, the other none.
+  /// One electrode of each pair gets the voltage, the other zero.
   void applyTo(ResonatorParameters& ring) const;
 };
 
-/// One pass of the tuning: the voltages, and what the identifier found with them.
+/// One pass of the tuning: the voltages, and the result of the identifier with them.
 struct TuningPass {
   TuningSquares squares;
   double mu1 = 0.0;
@@ -39,12 +40,12 @@ struct TuningOptions {
   void declare(ParameterTable& table);
 };
 
-/// Turns identified stiffness mismatch into tuning voltages, second term of (8): mu falls by half
-/// the softening, so softening 2 mu more cancels it. After the first correction the softening per
-/// V^2 is taken from what the voltages were seen to do.
+/// Computes tuning voltages from the identified stiffness mismatch, second term of (8): mu falls by
+/// half the softening, so an additional softening of 2 mu cancels it. After the first correction
+/// the softening per V^2 comes from the measured effect of the voltages.
 ///
 /// Each pass runs the closed loop of `configuration` (its steering must move the pattern),
-/// identifies mu and corrects. `seen` is called after each. Throws std::runtime_error when a pass
+/// identifies mu and corrects. `seen` is called after each pass. Throws std::runtime_error when one
 /// does not converge.
 std::vector<TuningPass> tuneModes(LoopConfiguration configuration, const TuningOptions& options,
                                   const std::function<void(const TuningPass&)>& seen);

@@ -10,8 +10,8 @@
 
 namespace cvg {
 
-/// What the batch consists of: item n is the run of `configuration` with seed run.seed + n, on a
-/// device drawn by index n where asked for.
+/// Definition of the batch: item n is the run of `configuration` with seed run.seed + n and, if
+/// requested, the random device of index n.
 struct MonteCarlo {
   LoopConfiguration configuration;
   bool random_devices = false;
@@ -25,7 +25,7 @@ constexpr std::array<const char*, 5> kMonteCarloParameters = {"gamma1", "gamma2"
 struct MonteCarloItem {
   std::uint64_t index = 0;
   std::int64_t seed = 0;
-  std::string refused;             ///< why it could not be run or identified; empty: it was
+  std::string refused;             ///< why it was not run or identified; empty if it was
   double natural_frequency = 0.0;  ///< of the device [Hz]
   double quality_factor = 0.0;
   double virtual_rate = 0.0;  ///< steering [rad/s]
@@ -41,11 +41,12 @@ struct MonteCarloItem {
   double mean_normalised_innovation_squared = 0.0;  ///< expected: 2
 };
 
-/// Runs one item. What the configuration or the device do not allow is in `refused`.
+/// Runs one item. If configuration or device do not allow the run, `refused` gives the reason.
 MonteCarloItem runMonteCarloItem(const MonteCarlo& batch, std::uint64_t index);
 
-/// Runs the items on `threads` threads. `finished` is called for each as it ends, one at a time, in
-/// no order. What it throws, or an item, ends the batch and is thrown from here.
+/// Runs the items on `threads` threads. `finished` is called for each item when it ends, one call
+/// at a time, in any order. An exception of `finished` or of an item ends the batch and is
+/// rethrown.
 void runMonteCarlo(const MonteCarlo& batch, const std::vector<std::uint64_t>& indices,
                    std::size_t threads, const std::function<void(const MonteCarloItem&)>& finished);
 
@@ -54,7 +55,7 @@ struct ParameterStatistics {
   double mean_error = 0.0;
   double root_mean_square_error = 0.0;
   double mean_sigma = 0.0;
-  double coverage = 0.0;  ///< share of items whose 95 % interval holds the truth
+  double coverage = 0.0;  ///< share of items whose 95 % interval contains the truth
 };
 
 struct MonteCarloSummary {

@@ -6,19 +6,20 @@
 
 namespace cvg {
 
-/// A gyroscope drawn at random with loops to suit, the same for the same index on every machine.
+/// A random gyroscope with suitable loops, the same for the same index on every machine.
 ///
-/// Drawn: f0 3 to 100 kHz and Q 5e3 to 1e6, both log-uniform; |gamma| up to 0.1 and |mu| up to 1e-4
-/// in any direction; ks such that sustain, quadrature and steering together take a tenth to a third
-/// of the drive range of 10 V on a 1 V orbit, known to the loops within 5 %; either sense of
+/// Random: f0 3 to 100 kHz and Q 5e3 to 1e6, both log-uniform; |gamma| up to 0.1 and |mu| up to
+/// 1e-4 in any direction; ks such that sustain, quadrature and steering together use a tenth to a
+/// third of the drive range of 10 V on a 1 V orbit, known to the loops within 5 %; the sense of
 /// steering.
 ///
-/// To suit: blocks of 1 ms with 10 samples a cycle or a little more; steering at 3.5 xi0 w0 |gamma|
-/// or a turn in the run, whichever is faster, so that the damping cannot hold the pattern; loops of
-/// 20 to 60 Hz, so wide that frequency and quadrature follow the turning pattern; a run of at least
-/// ten time constants of the ring. Noise and everything else are those of `base`.
+/// Chosen to suit: blocks of 1 ms with 10 samples per cycle or a few more; steering at
+/// 3.5 xi0 w0 |gamma| or one turn in the run, whichever is faster, so that the damping cannot hold
+/// the pattern; loops of 20 to 60 Hz, wide enough that frequency and quadrature follow the turning
+/// pattern; a run of at least ten time constants of the ring. Noise and everything else are those
+/// of `base`.
 ///
-/// Throws std::invalid_argument with the reason when there are no such loops for the device drawn.
+/// Throws std::invalid_argument with the reason when no such loops exist for the device.
 LoopConfiguration randomDevice(const LoopConfiguration& base, std::uint64_t index);
 
 }  // namespace cvg

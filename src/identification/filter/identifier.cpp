@@ -50,13 +50,13 @@ void IdentificationParameters::declare(ParameterTable& table) {
       .number("noise_density", noise_density, "V/sqrt(Hz)", Range::between(1e-12, 1.0),
               "of the displacement samples, white, one-sided")
       .number("axis_process_noise", axis_process_noise, "V/sqrt(s)", Range::between(0.0, 1.0),
-              "what the averaged model does not know of a' and b', white")
+              "white noise of a' and b' for effects that are not in the averaged model")
       .number("initial_gamma_sigma", initial_gamma_sigma, "1", Range::between(1e-9, 1.0),
-              "of gamma1 and gamma2 before any data")
+              "sigma of gamma1 and gamma2 before any data")
       .number("initial_mu_sigma", initial_mu_sigma, "1", Range::between(1e-12, 1e-2),
-              "of mu1 and mu2 before any data")
+              "sigma of mu1 and mu2 before any data")
       .number("initial_drive_gain_sigma", initial_drive_gain_sigma, "1", Range::between(1e-9, 10.0),
-              "of ks, relative to its value from the first period")
+              "sigma of ks before any data, relative to its value from the first period")
       .number("gamma_walk", gamma_walk, "1/sqrt(s)", Range::between(0.0, 1.0),
               "random walk of gamma1 and gamma2; 0: constant")
       .number("mu_walk", mu_walk, "1/sqrt(s)", Range::between(0.0, 1e-2),
@@ -64,7 +64,7 @@ void IdentificationParameters::declare(ParameterTable& table) {
       .number("drive_gain_walk", drive_gain_walk, "1/sqrt(s)", Range::between(0.0, 1.0),
               "random walk of ks, relative; 0: constant")
       .number("memory_time", memory_time, "s", Range::atLeast(0.0),
-              "after which data count for 1/e, as far as newer data show the same; 0: for ever")
+              "age at which data count for 1/e, where newer data show the same; 0: never forget")
       .number("converged_gamma_sigma", converged_gamma_sigma, "1", Range::above(0.0),
               "converged needs both sigmas of gamma below this")
       .number("converged_mu_sigma", converged_mu_sigma, "1", Range::above(0.0),

@@ -21,12 +21,12 @@ constexpr double kConverged = 1e-4;  // of a standard deviation
 struct BatchLeastSquares::Piece {
   std::size_t begin = 0;
   std::size_t end = 0;
-  Eigen::Vector4d start;                    // its envelope, as it is estimated
-  EnvelopeSensitivity start_by_parameters;  // how the best start follows a change of parameters
+  Eigen::Vector4d start;                    // its estimated envelope
+  EnvelopeSensitivity start_by_parameters;  // derivative of the best start by the parameters
   Eigen::Vector4d start_offset;             // from the best start at these parameters
 };
 
-/// Normal equations of the scaled parameters, initial envelopes eliminated.
+/// Normal equations of the scaled parameters, with the initial envelopes eliminated.
 struct BatchLeastSquares::Normal {
   ExtendedMatrix matrix;
   ExtendedVector vector;
@@ -106,7 +106,8 @@ void BatchLeastSquares::accumulatePiece(const ExtendedVector& linear, const Exte
       sensitivity = (step.transition * sensitivity).eval();
       sensitivity.rightCols(parameters) += step.by_parameters;
     }
-    // What the pick-offs show; while the prediction may be far off, undistort what was measured.
+    // Compare as seen by the pick-offs. While the prediction may be far off, undistort the
+    // measurement instead.
     if (at_measured && cubic >= 0) {
       const Eigen::Vector4d point = model_.undistorted(sample.measured, linear);
       const EnvelopeModel::Measurement shown = model_.measure(point, linear);

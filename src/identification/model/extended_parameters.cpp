@@ -12,7 +12,7 @@ void ExtendedParameters::declare(ParameterTable& table) {
   table
       .number("update_period", update_period, "s", Range::between(1e-6, 10.0),
               "a whole number of blocks; their mean is one measurement")
-      .flag("quality", quality, "estimate Q, so that it need not be told and ks is absolute")
+      .flag("quality", quality, "estimate Q; then Q need not be known, and ks is absolute")
       .flag("frequency", frequency, "estimate f0; off: natural_frequency of device is exact")
       .flag("drive_matrix", drive_matrix,
             "estimate phase, gain and phase mismatch of the drive times sense path")
@@ -23,7 +23,8 @@ void ExtendedParameters::declare(ParameterTable& table) {
       .flag("sense_matrix", sense_matrix,
             "estimate gain and phase mismatch of the sense path; needs a known rotation")
       .flag("rotation_scale", rotation_scale,
-            "estimate the scale of the known rotation: an angular gain other than told")
+            "estimate the scale of the known rotation: an angular gain that differs from the "
+            "configured one")
       .flag("pickoff_cubic", pickoff_cubic, "estimate c of a pick-off that reads x (1 + c x^2)")
       .flag("estimate_rotation", estimate_rotation,
             "estimate the rotation of the case instead of taking it as known")
@@ -35,38 +36,38 @@ void ExtendedParameters::declare(ParameterTable& table) {
               "of the displacement samples, white, one-sided")
       .number("envelope_process_noise", envelope_process_noise, "V/sqrt(s)",
               Range::between(0.0, 1.0),
-              "of each part of the envelope's rate, white: thermo-mechanical, and what the model "
-              "does not know")
+              "white noise of each part of the envelope's rate: thermo-mechanical noise and "
+              "effects that are not in the model")
       .number("initial_gamma1", initial_gamma1, "1", Range::between(-1.0, 1.0),
-              "what gamma1 starts from")
+              "start value of gamma1")
       .number("initial_gamma2", initial_gamma2, "1", Range::between(-1.0, 1.0),
-              "what gamma2 starts from")
-      .number("initial_mu1", initial_mu1, "1", Range::between(-0.01, 0.01), "what mu1 starts from")
-      .number("initial_mu2", initial_mu2, "1", Range::between(-0.01, 0.01), "what mu2 starts from")
+              "start value of gamma2")
+      .number("initial_mu1", initial_mu1, "1", Range::between(-0.01, 0.01), "start value of mu1")
+      .number("initial_mu2", initial_mu2, "1", Range::between(-0.01, 0.01), "start value of mu2")
       .number("initial_drive_gain", initial_drive_gain, "1/s^2", Range::atLeast(0.0),
-              "what ks starts from; 0: from the balance of drive and damping")
+              "start value of ks; 0: from the balance of drive and damping")
       .number("initial_cubic", initial_cubic, "1/V^2", Range::between(-10.0, 10.0),
-              "what the cubic term of the pick-off starts from")
+              "start value of the cubic term of the pick-off")
       .number("initial_gamma_sigma", initial_gamma_sigma, "1", Range::between(1e-9, 1.0),
-              "of gamma1 and gamma2 before any data")
+              "sigma of gamma1 and gamma2 before any data")
       .number("initial_mu_sigma", initial_mu_sigma, "1", Range::between(1e-12, 1e-2),
-              "of mu1 and mu2 before any data; sets that of f0 too")
+              "sigma of mu1 and mu2 before any data; also sets the sigma of f0")
       .number("initial_drive_gain_sigma", initial_drive_gain_sigma, "1",
-              Range::between(1e-9, 100.0), "of ks before any data, relative")
+              Range::between(1e-9, 100.0), "relative sigma of ks before any data")
       .number("initial_quality_sigma", initial_quality_sigma, "1", Range::between(1e-9, 10.0),
-              "of Q before any data, relative")
+              "relative sigma of Q before any data")
       .number("initial_drive_phase_sigma", initial_drive_phase_sigma, "rad",
-              Range::between(1e-9, 1.0), "of the phases of the drive matrix before any data")
+              Range::between(1e-9, 1.0), "sigma of the phases of the drive matrix before any data")
       .number("initial_mismatch_sigma", initial_mismatch_sigma, "1", Range::between(1e-9, 1.0),
-              "of gain mismatch, skew and rotation of drive and sense before any data")
+              "sigma of gain mismatch, skew and rotation of drive and sense before any data")
       .number("initial_drift_sigma", initial_drift_sigma, "rad/s", Range::between(1e-9, 10.0),
-              "of the drift bias and each of its harmonics before any data")
+              "sigma of the drift bias and each of its harmonics before any data")
       .number("initial_scale_sigma", initial_scale_sigma, "1", Range::between(1e-9, 1.0),
-              "of each harmonic of the angle scale before any data")
+              "sigma of each harmonic of the angle scale before any data")
       .number("initial_cubic_sigma", initial_cubic_sigma, "1/V^2", Range::between(1e-9, 10.0),
-              "of the cubic term of the pick-off before any data")
+              "sigma of the cubic term of the pick-off before any data")
       .number("initial_rotation_sigma", initial_rotation_sigma, "rad/s",
-              Range::between(1e-9, 100.0), "of the rotation of the case before any data")
+              Range::between(1e-9, 100.0), "sigma of the rotation of the case before any data")
       .number("gamma_walk", gamma_walk, "1/sqrt(s)", walk,
               "random walk of gamma1 and gamma2; 0: constant")
       .number("mu_walk", mu_walk, "1/sqrt(s)", walk, "random walk of mu1 and mu2; 0: constant")

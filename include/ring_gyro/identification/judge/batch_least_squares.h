@@ -17,39 +17,39 @@ namespace cvg {
 /// Result of the batch fit.
 struct BatchEstimate {
   bool converged = false;
-  int passes = 0;        ///< over the record
+  int passes = 0;        ///< number of passes over the record
   ExtendedVector value;  ///< physical coordinates; the envelope is that at the first block
   ExtendedMatrix covariance;
   double chi_square = 0.0;  ///< of the means over update_period
-  int residuals = 0;        ///< numbers in it
+  int residuals = 0;        ///< count of numbers in the sum
 };
 
-/// Least squares of the extended parameters on the whole record at once: the yardstick for the
-/// filters. The same model, the same means of the envelope over `update_period`, the same prior,
-/// but no process noise: each unbroken piece of the record is one solution of the envelope's
+/// Least squares of the extended parameters on the whole record at once: the reference for the
+/// filters. Model, means of the envelope over `update_period` and prior are the same as theirs, but
+/// there is no process noise: each unbroken piece of the record is one solution of the envelope's
 /// equation.
 ///
-/// Gauss-Newton. The first passes take the derivatives along the measured envelope: the difference
-/// of the measured from the predicted envelope obeys the equation of the predicted one, driven by
-/// the errors of the parameters times the measured envelope and the drive, exactly. So one pass
-/// finds the parameters from any guess, up to noise; the last ones are ordinary.
+/// Gauss-Newton. The first passes take the derivatives along the measured envelope. The difference
+/// of the measured and the predicted envelope then obeys, exactly, the equation of the predicted
+/// one, driven by the errors of the parameters times the measured envelope and the drive. So one
+/// pass finds the parameters from any guess, up to noise. The last passes are ordinary.
 class BatchLeastSquares {
  public:
-  /// Throws std::invalid_argument naming what cannot be used.
+  /// Throws std::invalid_argument, naming a parameter that cannot be used.
   BatchLeastSquares(const DeviceKnowledge& device, const ExtendedParameters& parameters,
                     const ConverterParameters& converter);
 
-  /// The next block; one that cannot be used ends the piece. `rotation_rate`: k Om [rad/s].
+  /// The next block; an unusable block ends the piece. `rotation_rate`: k Om [rad/s].
   void add(const OrbitalElements& elements, const ControlGains& gains, double rotation_rate = 0.0);
 
-  /// Throws std::runtime_error when the record holds nothing to fit.
+  /// Throws std::runtime_error when the record has no data to fit.
   BatchEstimate solve() const;
 
  private:
   struct Sample {
     bool starts_piece = false;
     Eigen::Vector4d measured;
-    // Since the sample before; a duration of zero is no step.
+    // Since the previous sample; a duration of zero means no step.
     std::array<double, 2> durations;
     std::array<EnvelopeInput, 2> inputs;
     std::array<double, 2> middles;

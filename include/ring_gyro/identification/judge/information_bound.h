@@ -11,9 +11,9 @@
 
 namespace cvg {
 
-/// Covariance of the best estimator of a state of which the first part moves, linearly, and the
-/// rest is constant: the recursion of the posterior Cramer-Rao bound, whose value needs no data but
-/// only the derivatives at the truth. Does not allocate.
+/// Covariance of the best estimator of a state whose first part moves linearly and whose rest is
+/// constant: the recursion of the posterior Cramer-Rao bound. It needs no data, only the
+/// derivatives at the truth. Does not allocate.
 class InformationBound {
  public:
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, kMostExtendedStates>;
@@ -22,12 +22,12 @@ class InformationBound {
   /// that move, at most 4.
   InformationBound(const ExtendedMatrix& prior, Eigen::Index moving);
 
-  /// The moving states go on: `rows` is the derivative of each with respect to the whole state
-  /// before the step; `variance` is what process noise adds to each.
+  /// One step of the moving states: `rows` is the derivative of each with respect to the whole
+  /// state before the step; process noise adds `variance` to each.
   void step(const Rows& rows, double variance);
   /// Measurements with these derivatives with respect to the state, each with this variance.
   void measure(const Rows& rows, double variance);
-  /// Nothing is known of the moving states but `sigma` each.
+  /// Replaces the knowledge of the moving states: `sigma` each, without correlations.
   void forgetMoving(double sigma);
 
   ExtendedMatrix covariance() const;
@@ -38,7 +38,7 @@ class InformationBound {
   ExtendedMatrix covariance_;  // of the scaled state
 };
 
-/// Bound for (a, b, gamma1, gamma2, mu1, mu2, ks) from every block's a and b, the angles and Q
+/// Bound for (a, b, gamma1, gamma2, mu1, mu2, ks) from every block's a and b; the angles and Q are
 /// known.
 class AxesBound {
  public:
@@ -48,7 +48,7 @@ class AxesBound {
             const StateVector& prior_sigma, double noise_density, double process_noise,
             const ConverterParameters& converter);
 
-  /// The next block of the experiment; noise of the elements matters to second order only.
+  /// The next block of the experiment; noise of the elements has only a second-order effect.
   void process(const OrbitalElements& elements, const ControlGains& gains);
   StateMatrix covariance() const;
 
