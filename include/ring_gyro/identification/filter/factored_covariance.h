@@ -41,17 +41,20 @@ class FactoredCovariance {
                   FactoredCovariance& next) const {
     FactoredCovariance between;
     const double shared = noise.second[0] / noise.first[0];
-    const RowOutcome first = measureRow(rows.first, noise.first[0], innovation[0], between);
     const Vector5 second_row = rows.second - shared * rows.first;
-    const RowOutcome second = between.measureRow(
-        second_row, noise.second[1] - shared * noise.second[0],
-        innovation[1] - shared * innovation[0] - dot(second_row, first.gained), next);
-    // The second innovation is the given one less `slope` of the first.
-    const double slope = shared + dot(second_row, first.gain);
-    const double cross = slope * first.variance;
-    return {{Vector2{first.variance, cross}, Vector2{cross, second.variance + cross * slope}},
-            first.normalised_innovation_squared + second.normalised_innovation_squared,
-            first.gained + second.gained};
+    const MeasuredRow first = measureRow(rows.first, noise.first[0], between);
+    const MeasuredRow second =
+        between.measureRow(second_row, noise.second[1] - shared * noise.second[0], next);
+    // After the first measurement the second innovation is less by m times the first.
+    const double m = shared + dot(second_row, first.k) / first.alpha;
+    const double nu1 = innovation[0];
+    const double nu2 = innovation[1] - m * nu1;
+    const double cross = m * first.alpha;
+    const double share1 = nu1 / first.alpha;
+    const double share2 = nu2 / second.alpha;
+    return {{Vector2{first.alpha, cross}, Vector2{cross, second.alpha + m * cross}},
+            nu1 * share1 + nu2 * share2,
+            share1 * first.k + share2 * second.k};
   }
 
   /// Adds weight * direction direction' (Agee and Turner). Two quantities that depend on the
@@ -136,32 +139,27 @@ class FactoredCovariance {
  private:
   using Numbers = double[kSize];
 
-  /// What one measurement brought about.
-  struct RowOutcome {
-    double variance;  ///< of the innovation, noise and all
-    double normalised_innovation_squared;
-    Vector5 gain;
-    Vector5 gained;  ///< gain * innovation
+  /// What measuring one row shows, P being the covariance before.
+  struct MeasuredRow {
+    double alpha;  ///< variance of the innovation: row' P row + noise
+    Vector5 k;     ///< P row
   };
 
-  /// Measures row * parameters with noise of this variance.
-  RowOutcome measureRow(const Vector5& row, double noise, double innovation,
-                        FactoredCovariance& next) const {
-    Numbers f, v;  // U' row and D U' row
-    timesUpper(row, f);
-    unrolled<0, kSize>([&](auto j) { v[j] = diagonal_[j] * f[j]; });
-    double variance[kSize + 1];  // of what the columns before j show
-    runningSums(noise, v, f, variance);
-    FourLanes gathered = {v[0], 0.0, 0.0, 0.0};  // U v so far
-    next.diagonal_[0] = diagonal_[0] * (variance[0] / variance[1]);
+  /// Measures row * parameters with noise of this variance: Bierman's recursion over the columns.
+  MeasuredRow measureRow(const Vector5& row, double noise, FactoredCovariance& next) const {
+    Numbers v, dv;  // U' row and D U' row
+    timesUpper(row, v);
+    unrolled<0, kSize>([&](auto j) { dv[j] = diagonal_[j] * v[j]; });
+    double alpha[kSize + 1];
+    runningSums(noise, dv, v, alpha);
+    next.diagonal_[0] = diagonal_[0] * (alpha[0] / alpha[1]);
+    FourLanes k = {dv[0], 0.0, 0.0, 0.0};
     unrolled<1, kSize>([&](auto j) {
-      next.diagonal_[j] = diagonal_[j] * (variance[j] / variance[j + 1]);
-      next.column(j) = column(j) - (f[j] / variance[j]) * gathered;
-      gathered += v[j] * column(j);
+      next.diagonal_[j] = diagonal_[j] * (alpha[j] / alpha[j + 1]);
+      next.column(j) = column(j) - (v[j] / alpha[j]) * k;
+      k += dv[j] * column(j);
     });
-    const double share = 1.0 / variance[kSize];
-    const Vector5 gain = share * Vector5(gathered, v[4]);
-    return {variance[kSize], innovation * innovation * share, gain, innovation * gain};
+    return {alpha[kSize], Vector5(k, dv[4])};
   }
 
   /// The first four rows of column j of U, its ones and zeros with them; the first column is known.
