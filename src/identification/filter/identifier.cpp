@@ -107,35 +107,34 @@ const ParameterEstimate* Identifier::process(const OrbitalElements& elements,
 
 /// The block that the chain has just admitted.
 inline void Identifier::take(const Orbit& orbit, const ControlGains& gains) {
-  if (periods_.atFirstBlock()) startPeriod(gains.reference_frequency);
+  const bool first_of_period = periods_.atFirstBlock();
+  if (first_of_period) first_look_ = FirstLookSum();
   periods_.see(orbit.theta);
   if (!scaled_) {
     first_look_.add(orbit, gains.drive.total(), gains.reference_frequency);
     return;
   }
   const Eigen::Vector2d axes(orbit.a, orbit.b);
-  if (!chained_) {
-    filter_.restartAxes(axes, restartSigma(orbit.a));
+  const bool restarted = !chained_;
+  if (restarted) filter_.restartAxes(axes, restartSigma(orbit.a));
+  chained_ = true;
+  if (first_of_period) {
+    const auto blocks = static_cast<int>(periodBlocks());
+    by_blocks_ = blocks == 1 || !filter_.isLinearOver(blocks, gains.reference_frequency);
+  }
+  if (restarted) {
     filter_.sample(axes);
-    chained_ = true;
-    // By itself it tells nothing more: the axes are made of it.
-    if (!periods_.atLastBlock()) return;
-    filter_.update();
   } else if (by_blocks_) {
     filter_.stepAndUpdate(chain_.step(model_.decayRate()), axes);
   } else {
     filter_.step(chain_.step(model_.decayRate()), axes);
-    if (!periods_.atLastBlock()) return;
-    filter_.update();
   }
+  // The sample of a restart tells nothing by itself: the axes are made of it.
+  const bool updated = by_blocks_ && !restarted;
+  if (!updated && !periods_.atLastBlock()) return;
+  if (!updated) filter_.update();
   chained_ = filter_.lastUpdate().accepted;
   if (!chained_) periods_.spoil();
-}
-
-void Identifier::startPeriod(double reference_frequency) {
-  first_look_ = FirstLookSum();
-  by_blocks_ = periodBlocks() == 1 ||
-               !filter_.isLinearOver(static_cast<int>(periodBlocks()), reference_frequency);
 }
 
 double Identifier::restartSigma(double amplitude) const {

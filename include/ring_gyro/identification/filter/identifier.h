@@ -82,7 +82,6 @@ class Identifier {
 
  private:
   void take(const Orbit& orbit, const ControlGains& gains);
-  void startPeriod(double reference_frequency);
   double restartSigma(double amplitude) const;
   void breakChain();
   void finishPeriod(const DampingCompensation& compensation);
