@@ -67,7 +67,7 @@ catkin_project() { # name, space
   mkdir -p "$work/$1/src"
   ln -s "$root/test/consumer" "$work/$1/src/consumer"
   (cd "$work/$1" && within "$2" catkin_make -DPYTHON_EXECUTABLE=/usr/bin/python3)
-  clean "$work/$1/devel/lib/ring_gyro_consumer/message_consumer"
+  within "$2" "$work/$1/devel/lib/ring_gyro_consumer/message_consumer"
 }
 
 installation() { # shared or static, argument of cmake
