@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The long checks that scripts/test.sh does not run:  scripts/check_all.sh [build directory]
 #
-# Builds and installs without ROS, and in a plain catkin workspace, and runs from there. Calibrates the
+# Builds, installs and uses the package without ROS and in a catkin workspace. Calibrates the
 # realistic preset with the angular gains of real rings (n = 2: about 0.37) and with the paper's, each
 # told as it is, and asks of each what the calibration of k = 1 reaches. Prints a row each; the last
 # line is "N passed, N failed".
@@ -45,35 +45,15 @@ sys.exit(not (drift < 0.01 / k and scale < 50e-6 and abs(error) < 50e-6))
 PYTHON
 }
 
-# A link to the package, as a user has it in a workspace.
-workspace() {
-  mkdir -p "$work/workspace/src"
-  ln -s "$root" "$work/workspace/src/ring_gyro"
-  (cd "$work/workspace" &&
-    catkin_make install -j"$(nproc)" -DCMAKE_BUILD_TYPE=Release -DCATKIN_ENABLE_TESTING=OFF \
-      -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_CXX_COMPILER_LAUNCHER=ccache &&
-    env -i HOME="$HOME" PATH=/usr/bin:/bin bash -c '. install/setup.bash && cd / &&
-      rosrun ring_gyro simulate --duration 1 --config "$(rospack find ring_gyro)/config/paper_simulation.yaml"') >"$work/workspace.log" 2>&1 ||
-    { tail -n 5 "$work/workspace.log"; return 1; }
-  echo "workspace: built, installed and run"
-}
-
-# Core, configuration, logs and the tools that need no bag, where there is no ROS; a project that uses them.
-plain() {
-  { cmake -S "$root" -B "$work/plain" -DRING_GYRO_ROS=OFF -DCMAKE_DISABLE_FIND_PACKAGE_catkin=ON \
-    -DCMAKE_INSTALL_PREFIX="$work/space" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache &&
-    cmake --build "$work/plain" -j"$(nproc)" && cmake --install "$work/plain" &&
-    cmake -S "$root/test/consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$work/space" &&
-    cmake --build "$work/consumer" &&
-    env -i "$work/space/bin/tune_modes" --help &&
-    env -i "$work/consumer/consumer" "$work/space/share/ring_gyro/config/paper_simulation.yaml"
-  } >"$work/plain.log" 2>&1 || { tail -n 5 "$work/plain.log"; return 1; }
-  echo "without ROS: built, installed and used, $(tail -n 1 "$work/plain.log")"
+# How other projects use the package.
+exports() {
+  "$root/scripts/checks/exports.sh" >"$work/exports.log" 2>&1 ||
+    { tail -n 5 "$work/exports.log"; return 1; }
+  echo "exports: $(tail -n 1 "$work/exports.log")"
 }
 
 passed=0 failed=0
-if plain; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
-if workspace; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+if exports; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 for k in 1 0.9 0.37 0.2; do
   if calibrated "$k"; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 done
