@@ -133,8 +133,7 @@ const LoopOutput& ControlLoops::process(const DisplacementBlock& block) {
   status.invalid_samples = !usable || blocks_to_settle_ > 0;
   status.converter_saturated = block.saturated_samples > 0;
   if (usable) {
-    const Eigen::Vector2cd envelope =
-        settings_.corrections.undistorted(demodulator_.process(block));
+    const Envelope envelope = settings_.corrections.undistorted(demodulator_.process(block));
     if (blocks_to_settle_ > 0) {
       --blocks_to_settle_;
     } else {
@@ -164,7 +163,7 @@ ControlLoops::Reference ControlLoops::runOn(std::uint64_t blocks, double period)
   return {wrapToPi(last.reference_phase + turned), last.reference_frequency};
 }
 
-void ControlLoops::measure(const Eigen::Vector2cd& envelope, double period) {
+void ControlLoops::measure(const Envelope& envelope, double period) {
   Orbit orbit = orbitFromEnvelope(envelope);
   orbit.theta = unwrapper_.unwrap(orbit.theta);
   output_.elements.orbit = orbit;
@@ -264,7 +263,7 @@ void ControlLoops::command(const DisplacementBlock& block, const Reference& refe
     gains.drive.sustain = {parameters_.drive_limit, 0.0};
   }
 
-  Eigen::Vector2cd sent = sentFor(gains.drive.total());
+  Envelope sent = sentFor(gains.drive.total());
   const double largest = sent.cwiseAbs().maxCoeff();
   if (largest > parameters_.drive_limit) {
     const double scale = parameters_.drive_limit / largest;
@@ -291,7 +290,7 @@ void ControlLoops::command(const DisplacementBlock& block, const Reference& refe
 
 /// The drive to send so that `total` acts on the ring: multiplied by the inverse of the drive's
 /// path, with the delay and gain of its hold compensated.
-Eigen::Vector2cd ControlLoops::sentFor(const Eigen::Vector2cd& total) const {
+Envelope ControlLoops::sentFor(const Envelope& total) const {
   return (std::polar(1.0, frequency_ * parameters_.hold_delay) / parameters_.hold_gain) *
          (drive_correction_ * total);
 }

@@ -8,21 +8,21 @@ namespace {
 
 using Complex = std::complex<double>;
 
-Eigen::Vector2cd turnedBack(const Eigen::Vector2cd& v) { return {v[1], -v[0]}; }  // J v
+Envelope turnedBack(const Envelope& v) { return {v[1], -v[0]}; }  // J v
 
 }  // namespace
 
-Eigen::Vector2cd velocityEnvelope(const Orbit& orbit, double reference_frequency) {
+Envelope velocityEnvelope(const Orbit& orbit, double reference_frequency) {
   const double c = std::cos(orbit.theta);
   const double s = std::sin(orbit.theta);
   const Complex minor(0.0, -orbit.b);
-  return reference_frequency * Eigen::Vector2cd(c * orbit.a - s * minor, s * orbit.a + c * minor);
+  return reference_frequency * Envelope(c * orbit.a - s * minor, s * orbit.a + c * minor);
 }
 
 DriveContributions synthesizeDrive(const Orbit& orbit, const DriveGains& gains,
                                    double reference_frequency, double drive_gain) {
-  const Eigen::Vector2cd velocity = velocityEnvelope(orbit, reference_frequency);
-  const Eigen::Vector2cd displacement = velocity / Complex(0.0, reference_frequency);
+  const Envelope velocity = velocityEnvelope(orbit, reference_frequency);
+  const Envelope displacement = velocity / Complex(0.0, reference_frequency);
   DriveContributions drive;
   if (orbit.a > 0.0)
     drive.sustain = gains.sustain_force / (reference_frequency * orbit.a) * velocity;

@@ -96,7 +96,7 @@ std::int64_t Demodulator::settlingBlocks() const {
   return earlier <= 0 ? 0 : (earlier + converter_.block_samples - 1) / converter_.block_samples;
 }
 
-Eigen::Vector2cd Demodulator::process(const DisplacementBlock& block) {
+Envelope Demodulator::process(const DisplacementBlock& block) {
   double sums[4];
   for (std::size_t k = 0; k < 4; ++k) {
     double* const mixed = mixed_[k].data();

@@ -13,7 +13,7 @@ constexpr Complex kI{0.0, 1.0};
 
 }  // namespace
 
-Orbit orbitFromEnvelope(const Eigen::Vector2cd& envelope) {
+Orbit orbitFromEnvelope(const Envelope& envelope) {
   // The two circular motions: X + iY = e^{i(phi+theta)} (a+b), X - iY = e^{i(phi-theta)} (a-b).
   const Complex left = envelope[0] + kI * envelope[1];
   const Complex right = envelope[0] - kI * envelope[1];
@@ -39,7 +39,7 @@ Orbit orbitFromEnvelope(const Eigen::Vector2cd& envelope) {
   return orbit;
 }
 
-Eigen::Vector2cd envelopeFromOrbit(const Orbit& orbit) {
+Envelope envelopeFromOrbit(const Orbit& orbit) {
   const double c = std::cos(orbit.theta);
   const double s = std::sin(orbit.theta);
   const Complex major(orbit.a, 0.0);

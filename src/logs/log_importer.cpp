@@ -9,6 +9,7 @@
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/common/number_text.h"
 #include "ring_gyro/demodulation/orbit.h"
+#include "ring_gyro/signals/envelope.h"
 
 namespace cvg {
 namespace {
@@ -501,7 +502,7 @@ void LogImporter::addSample(const LogRow& row) {
 
 void LogImporter::finishSamples() {
   samples_.reference_frequency = valueOf(block_.row, Quantity::kOmega);
-  const Eigen::Vector2cd envelope = demodulator_->process(samples_);
+  const Envelope envelope = demodulator_->process(samples_);
   if (blocks_to_settle_ > 0) {
     --blocks_to_settle_;
     counts_.left_over_rows += static_cast<std::uint64_t>(rows_per_block_);

@@ -6,6 +6,7 @@
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/common/number_text.h"
 #include "ring_gyro/logs/quantity.h"
+#include "ring_gyro/signals/envelope.h"
 
 namespace cvg {
 namespace {
@@ -49,7 +50,7 @@ void appendLogRow(const OrbitalElements& elements, const ControlGains& gains, st
     text += ',';
     appendNumber(text, value);
   };
-  const Eigen::Vector2cd drive = gains.drive.total();
+  const Envelope drive = gains.drive.total();
   add(elements.orbit.a);
   add(elements.orbit.b);
   add(elements.orbit.theta);

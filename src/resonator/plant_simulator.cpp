@@ -195,11 +195,11 @@ class PlantSimulator::Implementation {
   // fundamental; its third harmonic is far from the resonance.
   DriveForce realisedDrive() const {
     const DriveParameters& p = parameters_.drive;
-    Eigen::Vector2cd envelope = command_.envelope;
+    Envelope envelope = command_.envelope;
     if (p.cubic != 0.0) {
       for (Complex& axis : envelope) axis *= 1.0 + 0.75 * p.cubic * std::norm(axis);
     }
-    const Eigen::Vector2cd volts = envelope.cwiseProduct(drive_delay_);
+    const Envelope volts = envelope.cwiseProduct(drive_delay_);
     DriveForce force = Eigen::Vector2cd(drive_gain_.cast<Complex>() * volts);
     if (p.bias_voltage > 0.0) {
       // Re[F e^{i psi}]^2 = (|F|^2 + Re[F^2 e^{2 i psi}]) / 2.
@@ -281,7 +281,7 @@ class PlantSimulator::Implementation {
   // The converter's voltages over the block, as they act on the axes of the ring.
   void holdDrive() {
     const DriveParameters& p = parameters_.drive;
-    const Eigen::Vector2cd start =
+    const Envelope start =
         command_.envelope.cwiseProduct(drive_delay_) * std::polar(1.0, command_.reference_phase);
     const double step = command_.reference_frequency * converter_.samplePeriod();
     std::size_t clipped = 0;
@@ -347,8 +347,8 @@ class PlantSimulator::Implementation {
   }
 
   void addFeedthrough() {
-    const Eigen::Vector2cd leak = parameters_.sense.feedthrough * command_.envelope *
-                                  std::polar(1.0, command_.reference_phase);
+    const Envelope leak = parameters_.sense.feedthrough * command_.envelope *
+                          std::polar(1.0, command_.reference_phase);
     const double step = command_.reference_frequency * converter_.samplePeriod();
     addPhasor(leak[0].real(), leak[0].imag(), step, padded_, x_.data());
     addPhasor(leak[1].real(), leak[1].imag(), step, padded_, y_.data());

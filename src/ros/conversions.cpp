@@ -26,14 +26,14 @@ cvg::BlockStamp stampFromMessage(const Message& message) {
           static_cast<std::int64_t>(message.duration)};
 }
 
-void envelopeToMessage(const Eigen::Vector2cd& envelope, ring_gyro::Envelope& message) {
+void envelopeToMessage(const cvg::Envelope& envelope, ring_gyro::Envelope& message) {
   message.x_real = envelope[0].real();
   message.x_imag = envelope[0].imag();
   message.y_real = envelope[1].real();
   message.y_imag = envelope[1].imag();
 }
 
-Eigen::Vector2cd envelopeFromMessage(const ring_gyro::Envelope& message) {
+cvg::Envelope envelopeFromMessage(const ring_gyro::Envelope& message) {
   return {std::complex<double>(message.x_real, message.x_imag),
           std::complex<double>(message.y_real, message.y_imag)};
 }
@@ -45,7 +45,7 @@ static_assert(int{Places::A} == cvg::kA && int{Places::B} == cvg::kB &&
                   int{Places::DRIVE_GAIN} == cvg::kDriveGain,
               "an estimate travels in the order of the states");
 
-bool isZero(const Eigen::Vector2cd& envelope) { return envelope[0] == 0.0 && envelope[1] == 0.0; }
+bool isZero(const cvg::Envelope& envelope) { return envelope[0] == 0.0 && envelope[1] == 0.0; }
 
 /// A log may contain the whole drive but not its parts: then the whole is stored as one part.
 cvg::DriveContributions driveFromMessage(const ring_gyro::ControlGains& message) {
@@ -56,7 +56,7 @@ cvg::DriveContributions driveFromMessage(const ring_gyro::ControlGains& message)
   drive.compensation = envelopeFromMessage(message.compensation);
   if (isZero(drive.sustain) && isZero(drive.quadrature) && isZero(drive.steering) &&
       isZero(drive.compensation)) {
-    const Eigen::Vector2cd total = envelopeFromMessage(message.drive);
+    const cvg::Envelope total = envelopeFromMessage(message.drive);
     if (!isZero(total)) drive.sustain = total;
   }
   return drive;

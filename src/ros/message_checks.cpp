@@ -8,6 +8,7 @@
 #include "ring_gyro/common/formatted.h"
 #include "ring_gyro/ros/conversions.h"
 #include "ring_gyro/signals/calibration_command.h"
+#include "ring_gyro/signals/envelope.h"
 
 namespace ring_gyro::bridge {
 namespace {
@@ -61,7 +62,7 @@ MessageFault faultOfDuration(std::uint64_t duration) {
                     "(0, 3.6e12] [ns]");
 }
 
-std::string textOf(const Eigen::Vector2cd& envelope) {
+std::string textOf(const cvg::Envelope& envelope) {
   return cvg::formatted("(%.9g%+.9gi, %.9g%+.9gi) V", envelope[0].real(), envelope[0].imag(),
                         envelope[1].real(), envelope[1].imag());
 }
@@ -85,11 +86,11 @@ MessageFault faultOfDrive(const ring_gyro::ControlGains& m) {
                        difference(&Envelope::y_imag, size, any_part);
   if (!any_part || apart <= kRounding * size + kSmallestDrive) return {};
   const auto envelope = [](const Envelope& from) {
-    return Eigen::Vector2cd(std::complex<double>(from.x_real, from.x_imag),
-                            std::complex<double>(from.y_real, from.y_imag));
+    return cvg::Envelope(std::complex<double>(from.x_real, from.x_imag),
+                         std::complex<double>(from.y_real, from.y_imag));
   };
-  const Eigen::Vector2cd parts = envelope(m.sustain) + envelope(m.quadrature) +
-                                 envelope(m.steering) + envelope(m.compensation);
+  const cvg::Envelope parts = envelope(m.sustain) + envelope(m.quadrature) + envelope(m.steering) +
+                              envelope(m.compensation);
   return {cvg::Refusal::kContradiction, "drive", "is not the sum of its parts",
           "drive = " + textOf(envelope(m.drive)) + " is not the sum of its parts, " +
               textOf(parts) +

@@ -33,12 +33,12 @@ DrivePath DrivePath::of(const Eigen::Matrix2cd& matrix) {
   return path;
 }
 
-Eigen::Vector2cd Corrections::undistorted(const Eigen::Vector2cd& measured) const {
+Envelope Corrections::undistorted(const Envelope& measured) const {
   if (!correct_pickoff || pickoff_cubic == 0.0) return measured;
   // Newton's steps for the amplitude r of the motion: r + 3/4 cubic r^3 = measured amplitude.
   constexpr int kSteps = 6;
   const double cubic = 0.75 * pickoff_cubic;
-  Eigen::Vector2cd envelope = measured;
+  Envelope envelope = measured;
   for (Complex& axis : envelope) {
     const double size = std::abs(axis);
     if (size == 0.0) continue;

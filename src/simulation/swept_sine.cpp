@@ -4,6 +4,7 @@
 #include <complex>
 
 #include "ring_gyro/common/angle.h"
+#include "ring_gyro/signals/envelope.h"
 
 namespace cvg {
 namespace {
@@ -20,7 +21,7 @@ class OpenLoop {
         period_(converter.blockDuration()),
         block_(&plant_.start()) {}
 
-  Eigen::Vector2cd step(const Eigen::Vector2cd& drive, double frequency) {
+  Envelope step(const Envelope& drive, double frequency) {
     DriveCommand command;
     command.answers_sequence = block_->stamp.sequence;
     command.reference_phase =
@@ -39,8 +40,8 @@ class OpenLoop {
   const DisplacementBlock* block_;
 };
 
-Eigen::Vector2cd along(int axis, double volts) {
-  Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();
+Envelope along(int axis, double volts) {
+  Envelope drive = Envelope::Zero();
   drive[axis] = volts;
   return drive;
 }
@@ -68,13 +69,13 @@ std::vector<FrequencyPoint> sweepSine(const PlantParameters& plant,
   for (int axis = 0; axis < 2; ++axis) {
     OpenLoop bench(plant, converter, demodulation, sweep.centre,
                    seed + static_cast<std::uint64_t>(axis));
-    const Eigen::Vector2cd drive = along(axis, sweep.drive);
+    const Envelope drive = along(axis, sweep.drive);
     for (std::size_t k = 0; k < points.size(); ++k) {
       const double share = static_cast<double>(k) / static_cast<double>(points.size() - 1);
       points[k].frequency = sweep.centre + sweep.span * (share - 0.5);
       const int settling = bench.blocks(sweep.settling);
       for (int n = 0; n < settling; ++n) bench.step(drive, points[k].frequency);
-      Eigen::Vector2cd sum = Eigen::Vector2cd::Zero();
+      Envelope sum = Envelope::Zero();
       const int averaging = bench.blocks(sweep.averaging);
       for (int n = 0; n < averaging; ++n) sum += bench.step(drive, points[k].frequency);
       points[k].response.col(axis) = sum / (averaging * sweep.drive);
@@ -97,7 +98,7 @@ RingDown recordRingDown(const PlantParameters& plant, const ConverterParameters&
     for (int n = 0; n < ring_up; ++n) bench.step(along(axis, sweep.drive), sweep.centre);
     constexpr int kFilterBlocks = 4;  // blocks whose filter windows still contain driven samples
     for (int n = 0; n < kFilterBlocks; ++n) bench.step(along(axis, 0.0), sweep.centre);
-    std::vector<Eigen::Vector2cd> run;
+    std::vector<Envelope> run;
     const int blocks = bench.blocks(sweep.ring_down_time);
     for (int n = 0; n < blocks; ++n) run.push_back(bench.step(along(axis, 0.0), sweep.centre));
     ring_down.runs.push_back(std::move(run));

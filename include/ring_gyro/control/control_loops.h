@@ -18,6 +18,7 @@
 #include "ring_gyro/signals/corrections.h"
 #include "ring_gyro/signals/displacement_block.h"
 #include "ring_gyro/signals/drive_command.h"
+#include "ring_gyro/signals/envelope.h"
 #include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
@@ -78,10 +79,10 @@ class ControlLoops {
 
   bool samplesUsable(const DisplacementBlock& block) const;
   Reference runOn(std::uint64_t blocks, double period) const;
-  void measure(const Eigen::Vector2cd& envelope, double period);
+  void measure(const Envelope& envelope, double period);
   void recallActedDrive(const DisplacementBlock& block, const Reference& reference);
   void command(const DisplacementBlock& block, const Reference& reference);
-  Eigen::Vector2cd sentFor(const Eigen::Vector2cd& total) const;
+  Envelope sentFor(const Envelope& total) const;
   DriveGains closeLoops(double theta);
   double amplitudeSetpoint() const;
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "ring_gyro/signals/control_gains.h"
+#include "ring_gyro/signals/envelope.h"
 #include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
@@ -18,7 +19,7 @@ struct DriveGains {
 /// Velocity envelope w R(theta) [a; -i b] [V/s], equation (27), of the locked orbit, phi = -pi/2:
 /// the drive has the phase of the NCO, and the phase-locked loop keeps the NCO locked to the
 /// motion.
-Eigen::Vector2cd velocityEnvelope(const Orbit& orbit, double reference_frequency);
+Envelope velocityEnvelope(const Orbit& orbit, double reference_frequency);
 
 /// Drive envelopes (20)(28)(35) for the orbit at the time when they act.
 ///

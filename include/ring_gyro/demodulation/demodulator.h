@@ -10,6 +10,7 @@
 #include "ring_gyro/common/converter_parameters.h"
 #include "ring_gyro/common/parameter_table.h"
 #include "ring_gyro/signals/displacement_block.h"
+#include "ring_gyro/signals/envelope.h"
 
 namespace cvg {
 
@@ -40,7 +41,7 @@ class Demodulator {
 
   /// Envelope [V] valid at the block's end minus groupDelay().
   /// Samples must be finite and of the configured count.
-  Eigen::Vector2cd process(const DisplacementBlock& block);
+  Envelope process(const DisplacementBlock& block);
   void reset();
   /// Blocks after a reset whose envelopes are not valid yet.
   std::int64_t settlingBlocks() const;

@@ -12,19 +12,20 @@
 #include "ring_gyro/resonator/rotation_profile.h"
 #include "ring_gyro/signals/displacement_block.h"
 #include "ring_gyro/signals/drive_command.h"
+#include "ring_gyro/signals/envelope.h"
 
 namespace cvg {
 
 /// True values that no instrument shows: the motion at the end of a block, and the device.
 struct PlantTruth {
   BlockStamp stamp;
-  Eigen::Vector2cd envelope = Eigen::Vector2cd::Zero();  ///< against the NCO phase [V]
-  double rotation_rate = 0.0;                            ///< mean over the block [rad/s]
-  double rotation_angle = 0.0;                           ///< since the start [rad]
-  double natural_frequency = 0.0;                        ///< at the present temperature [Hz]
-  double quality_factor = 0.0;                           ///< at the present temperature
-  double gamma1 = 0.0;                                   ///< at the present temperature
-  double gamma2 = 0.0;                                   ///< at the present temperature
+  Envelope envelope = Envelope::Zero();  ///< against the NCO phase [V]
+  double rotation_rate = 0.0;            ///< mean over the block [rad/s]
+  double rotation_angle = 0.0;           ///< since the start [rad]
+  double natural_frequency = 0.0;        ///< at the present temperature [Hz]
+  double quality_factor = 0.0;           ///< at the present temperature
+  double gamma1 = 0.0;                   ///< at the present temperature
+  double gamma2 = 0.0;                   ///< at the present temperature
   double mu1 = 0.0;
   double mu2 = 0.0;
   double drive_gain = 0.0;  ///< ks [1/s^2]

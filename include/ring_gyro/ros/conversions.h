@@ -13,6 +13,7 @@
 #include "ring_gyro/signals/control_gains.h"
 #include "ring_gyro/signals/displacement_block.h"
 #include "ring_gyro/signals/drive_command.h"
+#include "ring_gyro/signals/envelope.h"
 #include "ring_gyro/signals/orbital_elements.h"
 #include "ring_gyro/signals/parameter_estimate.h"
 

@@ -4,6 +4,7 @@
 
 #include "ring_gyro/common/angle_harmonics.h"
 #include "ring_gyro/common/parameter_table.h"
+#include "ring_gyro/signals/envelope.h"
 
 namespace cvg {
 
@@ -53,7 +54,7 @@ struct Corrections {
   AngleHarmonics angle_map;  ///< output angle minus theta [rad]
 
   /// Envelope [V] of the motion from the measured envelope X (1 + 3/4 cubic |X|^2), per axis.
-  Eigen::Vector2cd undistorted(const Eigen::Vector2cd& measured) const;
+  Envelope undistorted(const Envelope& measured) const;
   /// Inverse of the switched-on parts of the drive path.
   Eigen::Matrix2cd driveCorrection() const;
   /// Rate of steering that cancels the drift at this pattern angle [rad/s].
