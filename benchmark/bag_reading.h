@@ -9,8 +9,8 @@
 
 namespace ring_gyro::benchmark {
 
-/// A rosbag::View over orbital elements and control gains, each message copied out and dropped.
-/// Gives their number.
+/// Reads orbital elements and control gains with a rosbag::View and drops each message. Returns
+/// their number.
 inline std::uint64_t readBag(const std::string& path) {
   struct Bytes {
     std::uint8_t* advance(std::uint32_t size) {

@@ -1,4 +1,4 @@
-// Measurements of the ROS-free core:  core_benchmark [--quick] [options of Google Benchmark]
+// Measurements of the core without ROS:  core_benchmark [--quick] [options of Google Benchmark]
 
 #include <benchmark/benchmark.h>
 

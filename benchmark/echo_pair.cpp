@@ -1,9 +1,9 @@
-// The bare echo pair that the lockstep graph is measured against: two processes that do nothing but
-// exchange the messages of plant and loops, as plain roscpp does it.
+// The bare echo pair with which the lockstep graph is compared: two processes that only exchange
+// the messages of plant and loops with plain roscpp.
 //
 //   echo_pair loops                         answers each displacement block with a drive command
-//   echo_pair plant BLOCKS SAMPLES          sends blocks of SAMPLES, each on the answer to the one
-//                                           before; prints blocks per second and ends
+//   echo_pair plant BLOCKS SAMPLES          sends blocks of SAMPLES, each after the answer to the
+//                                           one before; prints blocks per second and ends
 //   echo_pair ... --network-thread          with the spinner of this package's nodes
 
 #include <ros/ros.h>
@@ -24,7 +24,7 @@ namespace {
 using Block = ring_gyro::DisplacementBlock;
 using Command = ring_gyro::DriveCommand;
 
-/// ros::spin(), or the way of this package's nodes.
+/// ros::spin(), or the spinner of this package's nodes.
 class Spinner {
  public:
   explicit Spinner(bool network_thread) {

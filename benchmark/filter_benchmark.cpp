@@ -1,4 +1,4 @@
-// The identifier's filter against a dense one: time a step, and what it does to the accuracy.
+// The identifier's filter against a dense one: time per step, and accuracy.
 
 #include "filter_benchmark.h"
 

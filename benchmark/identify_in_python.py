@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""identify as one writes it in Python: rosbag and numpy. Prints the estimates.
+"""identify written in the usual way in Python, with rosbag and numpy. Prints the estimates.
 
     identify_in_python.py RUN.bag F0 Q
 """
@@ -13,7 +13,7 @@ PERIOD = 100  # blocks
 
 
 def pairs(path):
-    """Elements and gains of each block that is locked."""
+    """Elements and gains of each locked block."""
     waiting = {}
     with rosbag.Bag(path) as bag:
         topics = [topic for topic in bag.get_type_and_topic_info().topics
@@ -33,7 +33,7 @@ def main():
     path, f0, quality = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
     w0 = 2 * np.pi * f0
     decay = w0 / (2 * quality)
-    # a, b, gamma1, gamma2, mu1, mu2, ks and the sums of a and b over the period.
+    # a, b, gamma1, gamma2, mu1, mu2, ks, and the sums of a and b over the period.
     x = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     p = None
     measured = np.zeros(2)

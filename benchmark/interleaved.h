@@ -10,7 +10,7 @@
 
 namespace cvg {
 
-/// Processor time of the calling thread [s]: other work on the machine does not count.
+/// Processor time of the calling thread [s]; other work on the machine does not count.
 inline double threadTime() {
   timespec time = {};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -29,10 +29,9 @@ inline double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Times two pieces of work in turn, ours and a peer's, once each per iteration of `state`, so that
-/// whatever else the machine does hits both alike. Which goes first alternates. Counters:
-/// ratio (median over the turns of the peer's time per item over ours), ours and peer (medians, s
-/// per item).
+/// Times two pieces of work, ours and a peer's, once each per iteration of `state`, so that other
+/// work on the machine affects both in the same way. The order alternates. Counters: ratio (median
+/// over the turns of the peer's time per item over ours), ours and peer (medians, s per item).
 template <typename Clock, typename Ours, typename Peer>
 void timeInTurns(benchmark::State& state, Clock clock, double our_items, Ours ours,
                  double peer_items, Peer peer) {
@@ -44,7 +43,7 @@ void timeInTurns(benchmark::State& state, Clock clock, double our_items, Ours ou
     work();
     return clock() - begin;
   };
-  // A turn that is not counted, for caches and clock frequency.
+  // One turn is not counted, so that caches and clock frequency settle.
   ours();
   peer();
   bool ours_first = true;

@@ -1,4 +1,4 @@
-// The plant and the closed loop in one process against what they are usually made of.
+// The plant and the closed loop in one process against the usual ways to write them.
 
 #include "loop_benchmark.h"
 
@@ -27,7 +27,8 @@ namespace {
 namespace odeint = boost::numeric::odeint;
 
 constexpr double kSettled = 10.0;  // from here on everything is locked and identified [s]
-// Long enough that what a change of work costs, as waking the wide vector units, is a trifle.
+// Long enough that the cost of changing the work, such as waking the wide vector units, is
+// negligible.
 constexpr int kBlocksATurn = 1000;
 
 PlantParameters changingPlant() {
@@ -40,7 +41,7 @@ PlantParameters changingPlant() {
   ring.mu1 = -30e-6;
   ring.mu2 = -40e-6;
   ring.drive_gain = 1.1e5;
-  // Conditions that are never the same in two blocks, so that nothing can be kept.
+  // Conditions that differ in every block, so that nothing can be reused.
   ring.temperature_rate = 1.0;
   ring.frequency_temperature_coefficient = -25e-6;
   ring.quality_temperature_coefficient = 1e-3;
@@ -59,7 +60,7 @@ DriveCommand drive(std::uint64_t answers, double phase) {
   return command;
 }
 
-/// The same plant and drives, by an integrator of state (x, y, x', y').
+/// The same plant and drives for an integrator of the state (x, y, x', y').
 template <typename Real>
 class OdePlant {
  public:
@@ -102,7 +103,7 @@ class OdePlant {
   Real damping_ = 0;
 };
 
-/// One step of a fixed Fehlberg 7(8) method a sample.
+/// The Fehlberg 7(8) method with a fixed step.
 template <typename Real>
 class OdeRun {
  public:
@@ -150,10 +151,11 @@ class LoopAlone {
   const LoopOutput* output_;
 };
 
-/// Processor cores that the calling thread, and what it starts, may run on; as before in the end.
+/// Processor cores on which the calling thread and the threads it starts may run. The destructor
+/// restores them.
 class Cores {
  public:
-  /// Throws std::system_error where the system does not tell.
+  /// Throws std::system_error if the system does not tell the cores.
   Cores() {
     if (sched_getaffinity(0, sizeof before_, &before_) != 0) fail("asking for the cores");
     for (int core = 0; core < CPU_SETSIZE; ++core) {
@@ -164,9 +166,9 @@ class Cores {
   Cores(const Cores&) = delete;
   Cores& operator=(const Cores&) = delete;
 
-  /// Of all that may be used.
+  /// All cores that may be used.
   const std::vector<int>& numbers() const { return numbers_; }
-  /// Runs on these from here on; throws std::system_error when it may not.
+  /// From now on runs on these cores only; throws std::system_error if this is not allowed.
   void keepTo(const std::vector<int>& numbers) {
     cpu_set_t set;
     CPU_ZERO(&set);
@@ -292,8 +294,8 @@ void oldAgainstYoung(benchmark::State& state, const std::string& configuration_f
       [&] { run(young, 1e-3 * kBlocksATurn); });
 }
 
-/// On a rented machine one core can be half as fast again as the other, for minutes: one core's
-/// work is done in halves, one on each, by pinning the calling thread.
+/// On a rented machine one core can be 1.5 times as fast as the other for minutes. So the work of
+/// the single thread is done half on one core and half on the other, by pinning the calling thread.
 void twoCoresAgainstOne(benchmark::State& state, const std::string& configuration_file) {
   constexpr std::uint64_t kItems = 128;
   MonteCarlo batch;

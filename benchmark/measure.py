@@ -3,8 +3,8 @@
 
     measure.py BIN_DIR [--quick] [--only ROW ...] [--output docs/performance.md]
 
-Every figure is a ratio of one interleaved run: ours and the peer in turns, medians. Rows that need
-a program that is not installed say so. Called by scripts/benchmark.sh.
+Every figure is a median from one run in which our program and its peer alternate. Rows that need a
+program that is not installed say so. Called by scripts/benchmark.sh.
 """
 
 import argparse
@@ -27,7 +27,7 @@ BEGIN, END = "<!-- table: scripts/benchmark.sh -->", "<!-- end of the table -->"
 
 
 class Row:
-    """One line of the table. `most`: the ratio must not exceed what is asked, instead of reach it."""
+    """One line of the table. `most`: the goals are upper limits, not lower ones."""
 
     def __init__(self, what, peer, must, aim, unit="x", most=False):
         self.what, self.peer, self.must, self.aim = what, peer, must, aim
@@ -99,7 +99,7 @@ class Measurement:
                               stdout=subprocess.PIPE, **options).stdout
 
     def benchmark(self, program, *arguments):
-        """Counters of a Google Benchmark program, by name of the benchmark."""
+        """Counters of a Google Benchmark program, by the name of the benchmark."""
         text = self.run(self.programs / program, *arguments, "--benchmark_format=json",
                         stderr=subprocess.DEVNULL)
         return {entry["name"].split("/")[0]: entry
@@ -202,7 +202,7 @@ class Measurement:
         if name == "memory_long" and seconds < 10800:
             self.rows[name].note = f"{seconds} s"
 
-    # The graph.
+    # Measurements of the ROS graph.
 
     def environment(self):
         with socket.socket() as free:
@@ -212,7 +212,7 @@ class Measurement:
                     ROS_LOG_DIR=str(self.work / "log"), ROS_PACKAGE_PATH=os.environ.get("ROS_PACKAGE_PATH", "")), port
 
     def graph(self, seconds, **arguments):
-        """Blocks per second of wall time of a launched run."""
+        """Blocks per second of wall time in a launched run."""
         environment, port = self.environment()
         command = ["roslaunch", "-p", str(port), "ring_gyro", "simulation.launch",
                    f"duration:={seconds}", *(f"{name}:={value}" for name, value in arguments.items())]
@@ -242,7 +242,7 @@ class Measurement:
         finally:
             for process in (loops, master):
                 if process:
-                    process.terminate()  # an interrupt is ignored below a shell's background job
+                    process.terminate()  # a background job of a shell ignores an interrupt
                     process.wait(10)
 
     def lockstep(self):

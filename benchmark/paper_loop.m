@@ -1,5 +1,5 @@
-% The paper's loop as one writes it for Octave: extended Kalman filter on the averaged model,
-% equations (1)-(5) and (29)-(33), seven states, one step a millisecond. Prints the time of a step.
+% The paper's loop written in the usual way for Octave: extended Kalman filter on the averaged model,
+% equations (1)-(5) and (29)-(33), seven states, one step per millisecond. Prints the time per step.
 %   octave-cli paper_loop.m STEPS
 1;
 steps = str2double(argv(){1});

@@ -1,6 +1,7 @@
-// Runs a program and prints the most memory that it had resident [kB]:  peak_memory PROGRAM ...
+// Runs a program and prints its largest resident memory [kB]:  peak_memory PROGRAM ...
 //
-// A small program of its own, because the count of a child begins with what its parent had.
+// This is a small program of its own, because the count of a child begins with the memory of its
+// parent.
 
 #include <sys/resource.h>
 #include <sys/wait.h>

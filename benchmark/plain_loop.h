@@ -17,9 +17,10 @@
 
 namespace cvg {
 
-/// The closed loop as one writes it without further thought: the equations of motion by classical
-/// Runge-Kutta at 8 steps a sample (114 a cycle at 14 kHz), std::normal_distribution, std::sin and
-/// std::cos for the reference of drive and demodulation, the same low-pass once a block, PI loops.
+/// The closed loop written in the most direct way: the equations of motion by classical Runge-Kutta
+/// with 8 steps per sample (114 per cycle at 14 kHz), std::normal_distribution, std::sin and
+/// std::cos for the reference of drive and demodulation, the same low-pass once per block, PI
+/// loops.
 class PlainLoop {
  public:
   explicit PlainLoop(const LoopConfiguration& configuration)
@@ -38,7 +39,7 @@ class PlainLoop {
     state_ = {0.0, 0.0, ring_.angularFrequency(), 0.0};
   }
 
-  /// One block.
+  /// Runs one block.
   const Orbit& step() {
     constexpr int kSteps = 8;
     const double h = converter_.samplePeriod() / kSteps;

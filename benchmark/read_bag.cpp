@@ -1,4 +1,4 @@
-// The peer of identify:  read_bag RUN.bag
+// Only reads a bag, the peer of identify:  read_bag RUN.bag
 
 #include <cstdio>
 #include <cstdlib>

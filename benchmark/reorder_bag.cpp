@@ -1,4 +1,4 @@
-// The same run with its messages in another order in the file:
+// Writes the same run with its messages in another order in the file:
 //   reorder_bag RUN.bag OTHER.bag bursts|topics
 
 #include <cstdio>
@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     return EXIT_FAILURE;
   }
   try {
-    constexpr std::uint32_t kChunk = 768 * 1024;  // as recorders have it
+    constexpr std::uint32_t kChunk = 768 * 1024;  // as rosbag record writes
     reorderBag(argv[1], argv[2], order == "bursts" ? BagOrder::kBursts : BagOrder::kByTopic,
                rosbag::compression::LZ4, kChunk);
     return EXIT_SUCCESS;

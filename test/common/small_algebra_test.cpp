@@ -12,7 +12,7 @@ const Matrix2 kOne = {Vector2{1.0, 2.0}, Vector2{-3.0, 5.0}};
 const Matrix2 kOther = {Vector2{0.5, -1.0}, Vector2{4.0, 0.25}};
 const Vector2 kVector = {3.0, -7.0};
 
-// All numbers are such that Eigen's results hold to the last bit, whatever the order of sums.
+// The numbers are chosen so that all results are exact, whatever the order of sums.
 TEST(SmallAlgebra, MatricesAreThoseOfEigen) {
   const Eigen::Matrix2d one = eigen(kOne), other = eigen(kOther);
   EXPECT_EQ(one(0, 0), 1.0);

@@ -15,8 +15,8 @@
 
 namespace cvg {
 
-/// A locked gyroscope on the averaged model: what the identifier gets to see, without the cost of
-/// the time domain. Loops are plain PI controllers.
+/// A locked gyroscope simulated with the averaged model: the same data for the identifier as from
+/// the time domain, at less cost. The loops are plain PI controllers.
 class AveragedLoop {
  public:
   struct Options {
@@ -64,7 +64,7 @@ class AveragedLoop {
   void setAmplitude(double amplitude) { options_.amplitude = amplitude; }  ///< setpoint of a [V]
 
   Output step() {
-    // What acts in this block was decided at the end of the last one.
+    // The gains of this block were decided at the end of the last one.
     ControlGains acting = next_;
     acting.stamp = {options_.session, sequence_, end_ns_ + durationNs(), durationNs()};
     AveragedInput input;
@@ -99,7 +99,7 @@ class AveragedLoop {
     return static_cast<std::int64_t>(std::llround(1e9 * options_.block));
   }
 
-  /// The jump of the slow envelope where a held drive steps.
+  /// Jump of the slow envelope where a held drive steps.
   void step(const Eigen::Vector2cd& before, const Eigen::Vector2cd& after, double phase, double w) {
     const Eigen::Vector2cd change = after - before;
     const Eigen::Vector2cd envelope =
@@ -163,7 +163,7 @@ class AveragedLoop {
   double rest_;
   Orbit orbit_;
   Orbit measured_;
-  std::deque<Orbit> valid_;  // orbits that are still in the demodulator's delay
+  std::deque<Orbit> valid_;  // orbits that are still within the group delay
   double amplitude_integral_ = 0.0;
   double quadrature_integral_ = 0.0;
   double phase_integral_ = 0.0;

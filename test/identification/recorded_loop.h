@@ -18,7 +18,7 @@ struct RecordedStep {
   Eigen::Vector2d measured;
 };
 
-/// The locked loop of AveragedLoop without delay, a step at a time.
+/// The locked loop of AveragedLoop without delay, one step at a time.
 class RecordedLoop {
  public:
   static constexpr double kStep = 1e-3;  // [s]
@@ -47,7 +47,7 @@ class RecordedLoop {
     return record;
   }
 
-  // What a filter of this loop is told.
+  // The knowledge that a filter of this loop gets.
 
   static DeviceKnowledge known() { return AveragedLoop::Options().known; }
   /// `process`: of a' and b' [V/sqrt(s)].

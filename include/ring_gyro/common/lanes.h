@@ -6,16 +6,16 @@
 
 namespace cvg {
 
-// Several numbers worked on side by side. The compiler splits them where a machine's registers are
-// narrower, so a function marked RING_GYRO_VECTOR_CLONES uses whatever width it finds. Handed over
-// by reference: how such numbers are passed by value depends on the machine.
+// Several numbers that are computed side by side. Where a machine's registers are narrower, the
+// compiler splits them, so a function marked RING_GYRO_VECTOR_CLONES uses the width of the machine.
+// Pass them by reference: how they are passed by value depends on the machine.
 
 using Lanes = double __attribute__((vector_size(64)));
 constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(double);
 using FourLanes = double __attribute__((vector_size(32)));
 using TwoLanes = double __attribute__((vector_size(16)));
 
-/// Whole numbers of the same width.
+/// Integers of the same width.
 template <typename Vector>
 struct WholeLanes;
 template <>

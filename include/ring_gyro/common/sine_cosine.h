@@ -7,7 +7,7 @@
 
 namespace cvg {
 
-/// One lane after the other, with the functions of the library.
+/// Sines and cosines of one lane after the other, with the library functions.
 template <typename Vector>
 RING_GYRO_NOT_INLINE void librarySineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
   for (std::size_t i = 0; i < sizeof(Vector) / sizeof(double); ++i) {
@@ -17,7 +17,7 @@ RING_GYRO_NOT_INLINE void librarySineCosine(const Vector& angle, Vector& sine, V
 }
 
 /// Sines and cosines of several angles [rad] at once, within 2 units of the last place of 1.
-/// Library functions compute them one by one, which would be most of the time of a step of the
+/// Library functions compute them one by one, which would take most of the time of a step of the
 /// averaged model.
 template <typename Vector>
 inline void sineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
@@ -33,7 +33,7 @@ inline void sineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
     cosine = cosine_copy;
     return;
   }
-  // Adding this rounds to a whole number, which is then in the last bits.
+  // Adding this number rounds to a whole number, which is then in the last bits of the sum.
   constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52
   const Vector shifted = angle * 0.63661977236758134308 + kRounder;
   const Vector quarters = shifted - kRounder;
@@ -43,8 +43,8 @@ inline void sineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
       quarters * 2.02226624879595063154e-21;
   const Vector square = rest * rest;
   const Vector fourth = square * square;
-  // Polynomials of FreeBSD's msun for up to an eighth of a turn, in pairs of terms, which a
-  // processor computes in parallel.
+  // Polynomials of FreeBSD's msun for angles up to an eighth of a turn. The terms are in pairs,
+  // which a processor computes in parallel.
   const Vector odd =
       rest +
       rest * square *
@@ -57,7 +57,7 @@ inline void sineCosine(const Vector& angle, Vector& sine, Vector& cosine) {
           ((4.16666666666666019037e-02 + square * -1.38888888888741095749e-03) +
            fourth * ((2.48015872894767294178e-05 + square * -2.75573143513906633035e-07) +
                      fourth * (2.08757232129817482790e-09 + square * -1.13596475577881948265e-11)));
-  // An odd number of quarter turns exchanges the two, a half turn changes the sign.
+  // An odd number of quarter turns exchanges sine and cosine, a half turn changes the sign.
   const Whole quarter = (Whole)shifted;
   const Whole exchange = ((Whole)odd ^ (Whole)even) & -(quarter & 1);
   sine = (Vector)(((Whole)odd ^ exchange) ^ ((quarter << 62) & sign));

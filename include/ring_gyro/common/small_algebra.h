@@ -8,9 +8,9 @@
 
 namespace cvg {
 
-// The algebra of the identifier's filter: two axes, five parameters, and phasors. Eigen would read
-// better, but it writes the two numbers of a vector one by one and reads them as one register,
-// and a processor then waits as long as for a division. Here they stay in registers.
+// The algebra of the identifier's filter: two axes, five parameters, and phasors. Eigen is easier
+// to read, but it writes the two numbers of a vector one by one and then loads them as one
+// register, which makes the processor wait as long as for a division. Here they stay in registers.
 
 /// Two numbers, such as a and b. Sums and products are element by element.
 using Vector2 = TwoLanes;
@@ -48,7 +48,7 @@ inline Matrix2 operator+(const Matrix2& one, const Matrix2& other) {
 inline Matrix2 operator-(const Matrix2& one, const Matrix2& other) {
   return {one.first - other.first, one.second - other.second};
 }
-/// A number in the place of a matrix is that number times the identity.
+/// A number added to a matrix means that number times the identity.
 inline Matrix2 operator+(const Matrix2& matrix, double number) {
   return matrix + Matrix2::diagonal(number, number);
 }
@@ -80,7 +80,7 @@ inline Matrix2 inverse(const Matrix2& matrix) {
 inline Matrix2 outer(const Vector2& column, const Vector2& row) {
   return {column * row[0], column * row[1]};
 }
-/// (matrix + matrix') / 2: takes out what rounding has added to a symmetric matrix.
+/// (matrix + matrix') / 2: a symmetric matrix without the asymmetry that rounding has added.
 inline Matrix2 symmetric(const Matrix2& matrix) {
   const double off = 0.5 * (matrix.first[1] + matrix.second[0]);
   return {Vector2{matrix.first[0], off}, Vector2{off, matrix.second[1]}};
@@ -149,8 +149,8 @@ inline Vector2 operator*(const Matrix2x5& matrix, const Vector5& vector) {
   return Vector2{dot(matrix.first, vector), dot(matrix.second, vector)};
 }
 
-/// A complex number. `Real`: double, or Lanes for several side by side. std::complex would look for
-/// infinities in each product, and has no lanes.
+/// A complex number. `Real`: double, or Lanes for several side by side. std::complex tests each
+/// product for infinities, and cannot have lanes.
 template <typename Real>
 struct Phasor {
   Real re = {};

@@ -1,6 +1,6 @@
 #pragma once
 
-// For the processor of the machine, chosen when the program starts:
+// Functions compiled for several kinds of processor; the program chooses one when it starts.
 
 /// RING_GYRO_VECTOR_CLONES marks a function to be compiled for several vector widths. Kernels of
 /// the plant and the demodulator must do the same operations on each element whatever the width
@@ -9,8 +9,8 @@
 ///
 /// RING_GYRO_FUSED_CLONES marks a function to be compiled with and without fused multiply-add,
 /// which halves the time of a chain of sums of products. Compilers that know the processor level
-/// with fused multiply-add also use the other instructions of that level. Results differ by
-/// rounding between machines with and without it.
+/// x86-64-v3, which has it, also use the other instructions of that level. Results differ by
+/// rounding between machines with and without fused multiply-add.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RING_GYRO_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
@@ -24,7 +24,7 @@
 #define RING_GYRO_FUSED_CLONES
 #endif
 
-/// Keeps a function from being inlined into such a marked function: for code that is seldom called
+/// Prevents inlining into a function that is compiled several times: for code that is seldom called
 /// or is the same at any width.
 #if defined(__GNUC__)
 #define RING_GYRO_NOT_INLINE __attribute__((noinline))

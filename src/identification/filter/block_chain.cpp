@@ -55,7 +55,7 @@ BlockUse BlockChain::admit(const OrbitalElements& elements, const ControlGains& 
 bool BlockChain::setDelay(double group_delay, double duration) {
   const double blocks = group_delay / duration;
   if (!(blocks >= 0.0) || blocks > static_cast<double>(kLongestDelay)) return false;
-  // A delay of whole blocks up to rounding has no rest.
+  // A delay that is a whole number of blocks except for rounding has no rest.
   const double whole = std::floor(blocks + 1e-9);
   group_delay_ = group_delay;
   whole_delay_ = static_cast<std::uint64_t>(whole);
@@ -85,10 +85,10 @@ std::array<ChainSegment, 2> BlockChain::segments() const {
                   then)};
 }
 
-// Both moments lie the rest of the delay before the end of a block; drive and frequency change in
-// between, from those of the block `first` to those of `then`. One step takes both to second order
-// (docs/filter.md, section 6, whose letters these are): q is the share of the drive of `first`, z
-// the decay over the step.
+// The step begins and ends at a moment that is the rest of the delay before the end of a block. In
+// between, drive and frequency change from those of the block `first` to those of the block `then`.
+// One step takes both to second order (docs/filter.md, section 6, with the same letters): q is the
+// share of the drive of `first`, z the decay over the step.
 RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN AveragedStep<double> BlockChain::step(
     double decay_rate) const {
   const Block& before = back(1);
@@ -97,8 +97,8 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN AveragedStep<double> BlockChain::step(
   const Block& then = back(whole_delay_);
   const double z = decay_rate * block_duration_;
   const double q = rest_of_delay_;
-  // Means with the weights e^{-z (1 - x)}: what comes late in the step, at x near 1, has decayed
-  // less at its end.
+  // Means with the weights e^{-z (1 - x)}: the effect of an input late in the step, at x near 1,
+  // has decayed less at its end.
   const double middle = 0.5 + z / 12.0;
   const double moment = 0.5 * q * (1.0 - q);
   const double first_share = q - z * moment;
@@ -113,7 +113,7 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN AveragedStep<double> BlockChain::step(
   step.pattern_rate = theta_change / block_duration_;
   step.reference_frequency = w;
 
-  // A drive acts in proportion to 1 / w, and less by a sinc where the pattern turns away under it.
+  // A drive acts in proportion to 1 / w, and is reduced by a sinc where the pattern turns.
   const double sinc = 1.0 - theta_change * theta_change / 24.0;
   const double first_weight = first_share * sinc * w / first.reference_frequency;
   const double then_weight = then_share * sinc * w / then.reference_frequency;
@@ -121,8 +121,8 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN AveragedStep<double> BlockChain::step(
   const Phasor<double> y_change = phasor(then.drive.y() - first.drive.y());
   step.x = first_weight * phasor(first.drive.x()) + then_weight * phasor(then.drive.x());
   step.y = first_weight * phasor(first.drive.y()) + then_weight * phasor(then.drive.y());
-  // A change late in the step meets a pattern that has turned on. Turning the pattern turns Fx into
-  // Fy and Fy into -Fx; turning phi multiplies both by -i.
+  // A change within the step acts on a pattern that has turned further. The derivatives of Fx and
+  // Fy by theta are Fy and -Fx, those by phi are -i times Fx and Fy.
   step.x = step.x + moment * (theta_change * y_change - phi_change * timesI(x_change));
   step.y = step.y - moment * (theta_change * x_change + phi_change * timesI(y_change));
 

@@ -84,8 +84,8 @@ double EnvelopeFilter::matrixSquare(const ExtendedVector& squares,
 bool EnvelopeFilter::isLinearOver(double duration, int samples, const EnvelopeInput& input) const {
   if (!at_estimate_) return true;
   const Eigen::Index parameters = value_.size() - 4;
-  // How far the rate is off, and how far the matrix that acts on an error of the envelope: of the
-  // latter, correlations between parameters are no help.
+  // Errors of the rate, and of the matrix that acts on an error of the envelope. For the matrix the
+  // correlations between parameters are not used.
   const EnvelopeSensitivity rate = model_.rateByParameters(value_.head<4>(), value_, input) *
                                    scale_.tail(parameters).asDiagonal();
   const double rate_variance =
@@ -179,8 +179,8 @@ EnvelopeUpdate EnvelopeFilter::update() {
   value.head<4>() = envelope_;
   value += scale_.cwiseProduct(gain * innovation);
 
-  // Joseph's form, as in IntervalFilter: the start state through transition - gain * measurement,
-  // process and measurement noise directly and through the gain.
+  // Joseph's form, as in IntervalFilter: the error of the start state passes through
+  // transition - gain * measurement, process and measurement noise directly and through the gain.
   ExtendedMatrix mapped = covariance_;
   mapped.topRows<4>().noalias() = transition * covariance_;
   mapped.noalias() -= gain * start_cross.transpose();

@@ -10,27 +10,27 @@
 namespace cvg {
 namespace {
 
-// Relative change of an orbit by the cubic term. Known this well, the term is found; off by less
-// than that from where the filter started, it makes no difference; known this well, linearising at
-// the estimate is safe.
+// Limits for the cubic term, as a relative change of the orbit: with a sigma below kCubicFound it
+// is found; if it differs by less than kCubicOff from where the pass was linearised, the pass is
+// good; with a sigma below kCubicSharp it is safe to linearise at the estimate.
 constexpr double kCubicFound = 2e-4;
 constexpr double kCubicOff = 4e-4;
 constexpr double kCubicSharp = 2e-5;
 
-// Most that the envelope may turn or decay in the time of one mean.
+// Most that the envelope may turn or decay during one mean.
 constexpr double kMostTurn = 0.5;
 
-// Of the sigmas found in one pass when they are the prior of the next.
+// Factor on the sigmas found in one pass that become the prior of the next.
 constexpr double kWidening = 10.0;
-// A pass takes at least so many periods; a parameter is found when its sigma is below this share of
-// its prior.
+// A pass takes at least kLeastPeriods periods; a parameter is found when its sigma is below
+// kFoundShare of its prior sigma.
 constexpr int kLeastPeriods = 10;
 constexpr double kFoundShare = 0.1;
-// Sigma of the matrix of the rates, of the decay rate, with which linearising at the estimate is
-// safe.
+// Largest sigma of the matrix of the rates, relative to the decay rate, with which it is safe to
+// linearise at the estimate.
 constexpr double kMatrixSharp = 0.005;
-// How near the estimate must be to where the pass was linearised, of the decay rate, for the pass
-// to stand.
+// Largest distance of that matrix from the one at which the pass was linearised, relative to the
+// decay rate, with which the pass is good.
 constexpr double kMatrixNear = 0.05;
 
 EnvelopeInput inputOf(const BlockChain::Block& block) {
@@ -51,8 +51,8 @@ ExtendedIdentifier::ExtendedIdentifier(const DeviceKnowledge& device,
       periods_(parameters.periodBlocks(converter)),
       block_duration_(converter.blockDuration()),
       sample_sigma_(parameters.noise_density / std::sqrt(block_duration_)),
-      // Demodulation gives each quadrature the two-sided density N^2; the moving average in it
-      // makes samples of that variance over the block.
+      // Demodulation gives each quadrature noise of the two-sided density N^2; with its moving
+      // average a sample has the variance N^2 / block duration.
       filter_(EnvelopeModel(state_), square(sample_sigma_), block_duration_,
               square(parameters.envelope_process_noise)),
       chain_(converter.blockDurationNanoseconds()) {}
@@ -77,7 +77,7 @@ std::optional<ExtendedEstimate> ExtendedIdentifier::process(const OrbitalElement
 }
 
 double ExtendedIdentifier::restartSigma(double amplitude) const {
-  // Wide enough that the period's mean decides, and not one sample.
+  // Wide enough that the mean of the period counts, not one sample.
   return 0.01 * amplitude + 10.0 * sample_sigma_;
 }
 
@@ -108,7 +108,8 @@ void ExtendedIdentifier::gather() {
   }
 }
 
-/// A mean over a time in which the envelope turns or decays much shows little of it.
+/// Number of blocks whose mean is one update. While the envelope turns or decays much, a mean shows
+/// little of it, so that the mean must be short.
 std::uint64_t ExtendedIdentifier::updateBlocks() const {
   const ExtendedVector& value = filter_.value();
   const ExtendedState::Layout& at = state_.layout();
@@ -199,9 +200,9 @@ void ExtendedIdentifier::reconsider() {
   if (!settled_) startAgain();
 }
 
-/// The parameters start once more from what was known before any data, so that nothing counts
-/// twice, but for mu and f0, whose prior says next to nothing. Linearised at what was found, as far
-/// as it was.
+/// Starts the next pass. The parameters get the prior before any data again, so that no data count
+/// twice; only mu and f0, whose prior is very wide, keep what was found. The pass is linearised at
+/// the parameters that were found, and at the start values of the others.
 void ExtendedIdentifier::startAgain() {
   const ExtendedState::Layout& at = state_.layout();
   const ExtendedVector found = state_.physical(filter_.value());

@@ -3,7 +3,7 @@
 namespace cvg {
 namespace {
 
-/// Of each state: how far it may be from where it starts, and how far it wanders.
+/// For each state: prior sigma about its start, and random walk.
 struct Spread {
   ExtendedVector prior;
   ExtendedVector walk;
@@ -21,7 +21,7 @@ Spread spreadOf(const ExtendedState& state, const ExtendedParameters& p,
   const auto setRelative = [&](int index, double prior, double walk) {
     if (index >= 0) set(index, 1, prior * value[index], walk * value[index]);
   };
-  // Of gains, then of phases, which do not wander.
+  // Of gains, then of phases; neither has a random walk.
   const auto setMismatch = [&](int first, int count) {
     if (first < 0) return;
     set(first, count, p.initial_mismatch_sigma, 0.0);
@@ -31,7 +31,7 @@ Spread spreadOf(const ExtendedState& state, const ExtendedParameters& p,
   set(at.mu, 2, p.initial_mu_sigma, p.mu_walk);
   setRelative(at.drive_gain, p.initial_drive_gain_sigma, p.drive_gain_walk);
   setRelative(at.decay_rate, p.initial_quality_sigma, p.quality_walk);
-  // f0 is set from where the phase-locked loop is, which mu moves by half of itself.
+  // f0 starts from the frequency of the phase-locked loop, which mu shifts by mu / 2, relative.
   set(at.frequency, 1, p.initial_mu_sigma * state.device().natural_frequency, p.frequency_walk);
   set(at.drive_phase, 1, p.initial_drive_phase_sigma, 0.0);
   setMismatch(at.mismatch, 2);

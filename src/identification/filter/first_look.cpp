@@ -21,7 +21,7 @@ void FirstLookSum::add(const Orbit& orbit, const Eigen::Vector2cd& drive,
 
 FirstLook FirstLookSum::look(double duration, double decay_rate) const {
   const double frequency = frequency_ / blocks_;
-  // phi' = w0 - w, but for mu.
+  // phi' = w0 - w if mu is neglected.
   const double slip = blocks_ > 1 ? (last_phi_ - first_phi_) / ((blocks_ - 1) * duration) : 0.0;
   return {amplitude_ / blocks_, 2.0 * frequency * decay_rate * amplitude_ / drive_,
           (frequency + slip) / kTwoPi};

@@ -10,10 +10,10 @@
 namespace cvg {
 namespace {
 
-// Variance of what nothing is known of yet: finite, so that it can be sent and plotted.
+// Variance of a state of which nothing is known yet: finite, so that it can be sent and plotted.
 constexpr double kUnknownVariance = 1e30;
-// Section 6 of the paper, in the order of (29), for one update a period. With such noise the model
-// is never linear over a period: it is spread over the updates of the period's blocks.
+// Section 6 of the paper, in the order of (29), for one update per period. With this much noise the
+// model is never linear over a period, so the noise is spread over the updates by blocks.
 constexpr std::array<double, 7> kPaperProcessNoise = {1e-4, 1e-4, 1.0, 1.0, 1e-2, 1e-2, 1e7};
 constexpr double kPaperMeasurementNoise = 1e-4;
 
@@ -25,8 +25,8 @@ IntervalNoise intervalNoise(const IdentificationParameters& parameters, double b
     noise.sample_variance = kPaperMeasurementNoise * blocks;
     noise.axes_density = kPaperProcessNoise[kA] / (blocks * block_duration);
   } else {
-    // Demodulation gives each quadrature the two-sided density N^2; the moving average in it makes
-    // samples of that variance over the block.
+    // Demodulation gives each quadrature noise of the two-sided density N^2; with its moving
+    // average a sample has the variance N^2 / block duration.
     const double density = square(parameters.noise_density);
     noise.sample_variance = density / block_duration;
     noise.axes_density = square(parameters.axis_process_noise);
@@ -105,7 +105,7 @@ const ParameterEstimate* Identifier::process(const OrbitalElements& elements,
   return &estimate_;
 }
 
-/// The block that the chain has just admitted.
+/// Uses the block that the chain has just admitted.
 inline void Identifier::take(const Orbit& orbit, const ControlGains& gains) {
   const bool first_of_period = periods_.atFirstBlock();
   if (first_of_period) first_look_ = FirstLookSum();
@@ -129,7 +129,7 @@ inline void Identifier::take(const Orbit& orbit, const ControlGains& gains) {
   } else {
     filter_.step(chain_.step(model_.decayRate()), axes);
   }
-  // The sample of a restart tells nothing by itself: the axes are made of it.
+  // The sample of a restart alone is no measurement: the axes were set to it.
   const bool updated = by_blocks_ && !restarted;
   if (!updated && !periods_.atLastBlock()) return;
   if (!updated) filter_.update();
@@ -138,11 +138,11 @@ inline void Identifier::take(const Orbit& orbit, const ControlGains& gains) {
 }
 
 double Identifier::restartSigma(double amplitude) const {
-  // Wide enough that the period's mean decides, and not one sample.
+  // Wide enough that the mean of the period counts, not one sample.
   return 0.01 * std::abs(amplitude) + 10.0 * sample_sigma_;
 }
 
-/// The filter's a and b are not those of the block before the next one.
+/// The next block cannot continue from the filter's a and b.
 void Identifier::breakChain() {
   if (!chained_) return;
   const Eigen::Vector2d axes = filter_.value().head<2>();
@@ -226,7 +226,7 @@ bool Identifier::converged() const {
          estimate_.angle_covered >= parameters_.converged_angle;
 }
 
-/// Until the scale of ks has been found.
+/// Variances of the parameters until the scale of ks has been found.
 ParameterVector Identifier::initialVariance() const {
   const double gamma = square(parameters_.initial_gamma_sigma);
   const double mu = square(parameters_.initial_mu_sigma);

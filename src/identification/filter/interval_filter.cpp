@@ -16,8 +16,8 @@ StateVector stateOf(const Vector2& axes, const Vector5& parameters) {
   return state;
 }
 
-/// Of the two components of the drive that bring noise of the angles into a' and b', Re f1 and
-/// Im f2: sum of squares and product.
+/// Re f1 and Im f2, the two components of the drive through which noise of the angles acts on a'
+/// and b': sum of their squares, and their product.
 template <typename Real>
 struct DriveSquares {
   Real sum, product;
@@ -76,8 +76,8 @@ bool IntervalFilter::isLinearOver(int steps, double reference_frequency) const {
   const double gamma = decay * std::hypot(sigma(kGamma1), sigma(kGamma2));
   const double mu = 0.5 * reference_frequency * std::hypot(sigma(kMu1), sigma(kMu2));
   const double force = decay * sigma(kDriveGain) / std::abs(drive_gain_scale_);
-  // The axes are off by what they are off now and by what they gather on the way; the uncertain
-  // rates act on that error.
+  // The error of the axes is their error now plus what it grows by on the way; the uncertain rates
+  // act on it.
   const double gathered = 0.5 * (gamma + mu + force) * duration * std::hypot(axes_[0], axes_[1]);
   const double axes = std::hypot(sigma(kA), sigma(kB)) + gathered;
   const double neglected = axes * (gamma + mu) * duration;
@@ -116,10 +116,10 @@ RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::settle() {
     const Lanes b_kept = 1.0 + each.change.bb;
     double a = axes_[0], b = axes_[1];
     double a_predicted = 0.0, b_predicted = 0.0;
-// Not unrolled: this code is run too seldom to stay in the instruction cache, so short is fast.
+// Not unrolled: this code runs too seldom to stay in the instruction cache; short code is faster.
 #pragma GCC unroll 1
     for (int k = 0; k < count; ++k) {
-      // In this order a step waits for as little as can be of the one before.
+      // In this order of operations a step waits least for the result of the step before.
       const double a_before = a;
       a = a_kept[k] * a + (each.change.ab[k] * b + each.a_force[k]);
       b = b_kept[k] * b + (each.change.ba[k] * a_before + each.b_force[k]);
@@ -145,29 +145,30 @@ RING_GYRO_VECTOR_CLONES RING_GYRO_FLATTEN void IntervalFilter::settle() {
   waiting_.clear();
 }
 
-/// What noise in the angles, constant over a step, is worth as a variance of a rate's integral, per
-/// square of the rate's slope.
+/// Variance that noise of the angles, constant over a step, gives to the integral of a rate over
+/// the step, for a derivative of 1 of the rate by the angle.
 inline double IntervalFilter::angleVariance(const Vector2& axes) const {
   return step_duration_ * noise_.angle_density / (axes[0] * axes[0] + axes[1] * axes[1]);
 }
 
-/// Process noise of a and b in one of the steps that `step` is made of.
+/// Process noise of a and b in one of the steps of step_duration_ that `step` consists of.
 inline Matrix2 IntervalFilter::stepNoise(const AxesStepResult& step, const Vector2& axes) const {
   return angleVariance(axes) * (outer(step.rate_by_angles.first, step.rate_by_angles.first) +
                                 outer(step.rate_by_angles.second, step.rate_by_angles.second)) +
          step_duration_ * noise_.axes_density;
 }
 
-/// Derivatives and noise of the interval after `count` steps more from axes_ on, with these means
-/// of their dynamics and of their DriveSquares. Within the steps the derivatives change in
-/// proportion to time. Returns the axes to which one step over all of them leads.
+/// Carries the derivatives and the noise of the interval on by `count` steps that start at axes_;
+/// `mean` and `squares` are the means of their dynamics and of their DriveSquares. Within these
+/// steps the derivatives are taken to change in proportion to time. Returns the axes after one step
+/// over all of them.
 RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN Vector2
 IntervalFilter::advance(const AxesDynamics<double>& mean, const Vector2& squares, int count) {
   const DeviceParameters parameters = device();
   const double n = count;
   const AxesStepResult step = AxesEquation(mean, parameters).step(axes_, n * step_duration_);
-  // Loops that follow noise make drives that differ from step to step: the mean of their squares is
-  // more than the square of their mean.
+  // The loops follow noise, so the drive differs from step to step: the mean of the squares is more
+  // than the square of the mean.
   const DriveSquares<double> of_mean(mean);
   const double more = squares[0] - of_mean.sum;
   const double more_across = -2.0 * (squares[1] - of_mean.product);
@@ -178,7 +179,7 @@ IntervalFilter::advance(const AxesDynamics<double>& mean, const Vector2& squares
   elapsed_ += n * step_duration_;
   samples_ += count;
 
-  // Of the state where the steps begin: through T to their end, through T_s to the sum of their
+  // The state where the steps begin acts through T on their end and through T_s on the sum of their
   // samples.
   const Matrix2& t = step.by_axes;
   const Matrix2 t_s = 0.5 * (n + 1.0) * t + 0.5 * (n - 1.0);
@@ -191,19 +192,20 @@ IntervalFilter::advance(const AxesDynamics<double>& mean, const Vector2& squares
   return step.axes;
 }
 
-/// Noise that the interval gathers in `n` steps, each of which adds `noise` (docs/filter.md,
+/// Adds the noise of `n` steps to the interval, each of which adds `noise` (docs/filter.md,
 /// section 4).
 inline void IntervalFilter::gatherNoise(const Matrix2& t, const Matrix2& t_s, const Matrix2& noise,
                                         double n) {
-  // What there was is passed on to the end and to the samples.
+  // The noise gathered so far is passed on to the end and to the samples.
   const Matrix2 end_with_sum = gathered_.end * transposed(t_s);
   const Matrix2 sum_with_sum = t_s * gathered_.end_sum;
   gathered_.sum = gathered_.sum + (sum_with_sum + transposed(sum_with_sum)) + t_s * end_with_sum;
   gathered_.end_sum = t * (gathered_.end_sum + end_with_sum);
   gathered_.end = t * (gathered_.end * transposed(t));
 
-  // The noise of each step goes on to the end, and to each sample from its own on: so often, and
-  // through so many steps in the mean, to first order in what a step does.
+  // The noise of each step reaches the end and each sample from that step on. The numbers below
+  // count how often, and through how many steps in the mean, to first order in the change of a
+  // step.
   const Matrix2 moved = (1.0 / n) * ((t - 1.0) * noise);
   const Matrix2 moved_back = transposed(moved);
   const auto passed = [&](double steps, double other_steps) {
@@ -243,10 +245,10 @@ RING_GYRO_FUSED_CLONES RING_GYRO_FLATTEN const IntervalUpdate& IntervalFilter::s
   return update_;
 }
 
-/// What is measured of the axes tells of the parameters: it depends on them by `regression`, and
-/// given them has the covariance `conditional`, measurement noise and all. Returns what the
-/// parameters gain. Notes the update, and whether the covariance is one: inputs beyond all reason
-/// can make it other than positive definite.
+/// Updates the covariance of the parameters with a measurement of the axes, which depends on them
+/// by `regression` and has the covariance `conditional` given the parameters, with the measurement
+/// noise. Returns the change of the parameters. Sets update_; it is not accepted if `conditional`
+/// is not positive definite, which absurd inputs can cause.
 inline Vector5 IntervalFilter::measureParameters(const Matrix2x5& regression,
                                                  const Matrix2& conditional,
                                                  const Vector2& innovation,
@@ -261,7 +263,7 @@ inline Vector5 IntervalFilter::measureParameters(const Matrix2x5& regression,
   return outcome.gained;
 }
 
-/// The step's end is what is measured (docs/filter.md, sections 2 and 3).
+/// Update by a measurement of the step's end (docs/filter.md, sections 2 and 3).
 inline void IntervalFilter::measureStep(const AxesStepResult& step, const Matrix2& noise,
                                         const Vector2& innovation, Belief& next) {
   const Matrix2& t = step.by_axes;
@@ -270,7 +272,7 @@ inline void IntervalFilter::measureStep(const AxesStepResult& step, const Matrix
   const Matrix2 measured = s + noise_.sample_variance;
   const Vector5 gained = measureParameters(c, measured, innovation, next.covariance);
 
-  // Of the axes given the parameters. 1 - K, K = S (S + R)^-1, is R (S + R)^-1.
+  // The axes given the parameters: 1 - K = R (S + R)^-1 for the gain K = S (S + R)^-1.
   const Matrix2 rest = noise_.sample_variance * inverse(measured);
   next.regression = rest * c;
   next.parameters = present().parameters + gained;
@@ -278,7 +280,7 @@ inline void IntervalFilter::measureStep(const AxesStepResult& step, const Matrix
   next.axes = (step.axes + (innovation - rest * innovation)) + next.regression * gained;
 }
 
-/// The mean of the interval's samples is what is measured (docs/filter.md, section 3).
+/// Update by a measurement of the mean of the interval's samples (docs/filter.md, section 3).
 void IntervalFilter::measureMean(Belief& next) {
   const double share = 1.0 / samples_;
   const Matrix2& s = present().conditional;
@@ -294,7 +296,7 @@ void IntervalFilter::measureMean(Belief& next) {
   const Vector2 innovation = share * (measured_sum_ - predicted_sum_);
   const Vector5 gained = measureParameters(c_m, measured, innovation, next.covariance);
 
-  // Of the axes given the parameters, as a sum of what cannot be negative (Joseph).
+  // The axes given the parameters, with the covariance in Joseph's form.
   const Matrix2 gain = (t_e * s_with_mean + n_em) * inverse(measured);
   const Matrix2 rest = t_e - gain * t_m;
   const Matrix2 mixed = gain * transposed(n_em);
@@ -305,8 +307,8 @@ void IntervalFilter::measureMean(Belief& next) {
   next.axes = (axes_ + gain * innovation) + next.regression * gained;
 }
 
-/// Makes the next belief the present one unless a number in it is not finite, and starts the next
-/// interval. `shown`: what the measurement has shown of the parameters.
+/// Makes the next belief the present one, unless the update is not accepted, and starts the next
+/// interval. `shown`: how the measurement depends on the parameters.
 inline void IntervalFilter::keep(const Matrix2x5& shown) {
   Belief& next = beliefs_[1 - present_];
   const Vector5 sum = next.parameters + (next.regression.first + next.regression.second);
@@ -332,9 +334,9 @@ RING_GYRO_NOT_INLINE void IntervalFilter::walk(Belief& belief) const {
   }
 }
 
-/// Directional forgetting (Kulhavy): the covariance grows along P h, where the interval's
-/// measurement h has just made it smaller, and nowhere else. What the data do not show, as with a
-/// pattern at rest, stays as well known as it was.
+/// Directional forgetting (Kulhavy; docs/filter.md, section 5): the covariance grows only along P
+/// h, where the interval's measurement h has just made it smaller. What the data do not show, for
+/// example while the pattern rests, stays as well known as it was.
 RING_GYRO_NOT_INLINE void IntervalFilter::forget(const Matrix2x5& shown, Belief& belief) const {
   const double growth = std::expm1(elapsed_ / memory_time_);
   for (const Vector5& shown_row : {shown.first, shown.second}) {
@@ -345,7 +347,7 @@ RING_GYRO_NOT_INLINE void IntervalFilter::forget(const Matrix2x5& shown, Belief&
   }
 }
 
-/// Adds weight * direction direction' to the covariance of the parameters.
+/// Adds weight * direction direction' to the covariance of the parameters, and to nothing else.
 void IntervalFilter::addTo(Belief& belief, double weight, const ParameterVector& direction) {
   const auto gained = belief.covariance.add(weight, direction, belief.regression);
   belief.conditional = belief.conditional + gained.weight * outer(gained.factor, gained.factor);

@@ -7,7 +7,7 @@ PeriodKeeper::Follows PeriodKeeper::followWithBreak(const BlockStamp& stamp) {
   if (started_ && stamp.session == last_.session && stamp.sequence > last_.sequence) {
     lost_ += stamp.sequence - last_.sequence - 1;
     if (stamp.sequence / period_blocks_ != last_.sequence / period_blocks_ && !atLastBlock()) {
-      rejected_ += blocks_in_period_;  // of a period whose end was lost
+      rejected_ += blocks_in_period_;  // blocks of a period whose end was lost
       blocks_in_period_ = 0;
     }
     block_of_period_ = stamp.sequence % period_blocks_;

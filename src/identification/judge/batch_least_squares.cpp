@@ -11,17 +11,17 @@
 namespace cvg {
 namespace {
 
-constexpr int kMeasuredPasses = 3;  // with the derivatives along the measured envelope
+constexpr int kMeasuredPasses = 3;  // the first ones, with derivatives along the measured envelope
 constexpr int kMostPasses = 20;
-constexpr double kConverged = 1e-4;  // of a standard deviation
+constexpr double kConverged = 1e-4;  // step in standard deviations
 
 }  // namespace
 
-/// A run of samples without a break, with its initial envelope as four more unknowns.
+/// A series of samples without a break; its initial envelope is four more unknowns.
 struct BatchLeastSquares::Piece {
   std::size_t begin = 0;
   std::size_t end = 0;
-  Eigen::Vector4d start;                    // its estimated envelope
+  Eigen::Vector4d start;                    // estimate of the initial envelope
   EnvelopeSensitivity start_by_parameters;  // derivative of the best start by the parameters
   Eigen::Vector4d start_offset;             // from the best start at these parameters
 };
@@ -81,7 +81,7 @@ void BatchLeastSquares::accumulatePiece(const ExtendedVector& linear, const Exte
   Eigen::Vector4d envelope = piece.start;
   EnvelopeSensitivity sensitivity = EnvelopeSensitivity::Identity(4, size);
   EnvelopeStep step;
-  // Of the whole state: initial envelope, then parameters.
+  // Normal equations of the whole state: initial envelope, then parameters.
   ExtendedMatrix matrix = ExtendedMatrix::Zero(size, size);
   ExtendedVector vector = ExtendedVector::Zero(size);
 
@@ -106,8 +106,8 @@ void BatchLeastSquares::accumulatePiece(const ExtendedVector& linear, const Exte
       sensitivity = (step.transition * sensitivity).eval();
       sensitivity.rightCols(parameters) += step.by_parameters;
     }
-    // Compare as seen by the pick-offs. While the prediction may be far off, undistort the
-    // measurement instead.
+    // Compare the prediction as the pick-offs show it with the measurement. In the first passes the
+    // prediction may be far off; then remove the distortion from the measurement instead.
     if (at_measured && cubic >= 0) {
       const Eigen::Vector4d point = model_.undistorted(sample.measured, linear);
       const EnvelopeModel::Measurement shown = model_.measure(point, linear);
@@ -204,7 +204,7 @@ BatchEstimate BatchLeastSquares::solve() const {
     estimate.chi_square = normal.chi_square;
     estimate.residuals = normal.residuals;
     covariance = solver.solve(ExtendedMatrix::Identity(parameters, parameters));
-    // The step in standard deviations of the estimate.
+    // Compare the step with the standard deviations of the estimate.
     if (pass > kMeasuredPasses && change.dot(normal.matrix * change) < kConverged * kConverged) {
       estimate.converged = true;
       break;

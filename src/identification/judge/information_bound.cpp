@@ -9,7 +9,7 @@
 namespace cvg {
 namespace {
 
-/// Prior sigma of the moving states: wide, because the first block already measures them.
+/// Prior sigma of the moving states: wide, because the first block measures them.
 double unknown(double sample_variance) { return 1e3 * std::sqrt(sample_variance); }
 
 ExtendedMatrix linearPrior(const EnvelopeModel& model, const ExtendedVector& truth,

@@ -44,8 +44,7 @@ OrbitRates AveragedModel::rates(const Orbit& orbit, const DeviceParameters& devi
   const double k2_mc = dynamics.k2 * (device.mu1 * dynamics.c + device.mu2 * dynamics.s);
   const double d_gs = decay_rate_ * (device.gamma2 * dynamics.c - device.gamma1 * dynamics.s);
 
-  // phi' a + theta' b and phi' b + theta' a: the rates at which the envelope turns, in pattern
-  // axes (docs/derivation.md, section 4).
+  // r1 = phi' a + theta' b and r2 = phi' b + theta' a (docs/derivation.md, section 4).
   const double r1 = (detuning + k2_mc) * a + (d_gs - input.rotation_rate) * b -
                     device.drive_gain * dynamics.f1.re;
   const double r2 = (detuning - k2_mc) * b - (d_gs + input.rotation_rate) * a +

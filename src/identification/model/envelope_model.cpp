@@ -29,13 +29,13 @@ Eigen::Matrix4d realMatrix(const Eigen::Matrix2cd& matrix) {
   return result;
 }
 
-// The same products on (re X, im X, re Y, im Y).
+// The same products for (re X, im X, re Y, im Y).
 Eigen::Vector4d timesI(const Eigen::Vector4d& u) { return {-u[1], u[0], -u[3], u[2]}; }
 Eigen::Vector4d alongAxes(const Eigen::Vector4d& u) { return {u[0], u[1], -u[2], -u[3]}; }
 Eigen::Vector4d acrossAxes(const Eigen::Vector4d& u) { return {u[2], u[3], u[0], u[1]}; }
 Eigen::Vector4d turned(const Eigen::Vector4d& u) { return {u[2], u[3], -u[0], -u[1]}; }  // J u
 
-/// The parts of the rate's matrix.
+/// The matrices of the rate (EnvelopeModel).
 struct RateMatrices {
   Eigen::Matrix4d first_order;   // L
   Eigen::Matrix4d second_order;  // I - E
@@ -207,7 +207,7 @@ void EnvelopeModel::step(const Eigen::Vector4d& envelope, const ExtendedVector& 
   const Eigen::Vector4d force = rate.second_order * driveForce(state_, nominal.linear, input);
   const Eigen::Matrix4d identity = Eigen::Matrix4d::Identity();
   const Eigen::Matrix4d third = identity + (1.0 / 3.0) * moved + (1.0 / 12.0) * moved * moved;
-  const Eigen::Matrix4d mean = identity + 0.5 * moved * third;  // of the flow over the step
+  const Eigen::Matrix4d mean = identity + 0.5 * moved * third;  // mean transition over the step
 
   step.transition = identity + moved * mean;
   const Eigen::Vector4d change = moved * nominal.envelope + duration * force;
@@ -241,7 +241,7 @@ Eigen::Vector4d EnvelopeModel::undistorted(const Eigen::Vector4d& measured,
                                            const ExtendedVector& linear) const {
   Eigen::Vector4d envelope = measured;
   if (state_.layout().pickoff_cubic < 0) return envelope;
-  // Each step shrinks the error by the size of the distortion, a few per cent.
+  // Each step reduces the error to a few per cent of it, the size of the distortion.
   for (int k = 0; k < 8; ++k) envelope += measured - measure(envelope, linear).value;
   return envelope;
 }

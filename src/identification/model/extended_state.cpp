@@ -104,8 +104,9 @@ Complex ExtendedState::driveGain(const ExtendedVector& linear) const {
   return {linear[layout_.drive_gain], layout_.drive_phase < 0 ? 0.0 : linear[layout_.drive_phase]};
 }
 
-// Linear coordinates that differ from the physical ones: decay rate times gamma; re and im of
-// ks e^{-ip} in the places of ks and p, and of ks e^{-ip} times each entry of the drive matrix.
+// Linear coordinates that differ from the physical ones: decay rate times gamma in place of gamma;
+// re and im of ks e^{-ip} in place of ks and p; re and im of ks e^{-ip} times each entry of the
+// drive matrix in place of the entry.
 ExtendedVector ExtendedState::physical(const ExtendedVector& linear) const {
   ExtendedVector result = linear;
   result.segment<2>(layout_.gamma) /= decayRate(linear);

@@ -16,7 +16,7 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr Complex kI{0.0, 1.0};
-constexpr double kRingDownLag = 0.05;  // [s]; modes within 10 Hz of the reference are told apart
+constexpr double kRingDownLag = 0.05;  // [s]; for modes within 10 Hz of the reference
 
 double peakFrequency(const std::vector<FrequencyPoint>& points) {
   const auto peak = std::max_element(
@@ -31,7 +31,8 @@ std::array<Complex, 2> eigenvalues(const Eigen::Matrix2cd& matrix) {
   return {middle - half, middle + half};
 }
 
-// Modes whose envelopes against `reference` [rad/s] go with e^{rate t}; lower frequency first.
+// Modes whose envelopes relative to `reference` [rad/s] are proportional to e^{rate t}; lower
+// frequency first.
 std::array<VibrationMode, 2> modesOf(const std::array<Complex, 2>& rates, double reference) {
   std::array<VibrationMode, 2> modes;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -61,9 +62,9 @@ FrequencyResponseFit fitFrequencyResponse(const std::vector<FrequencyPoint>& poi
                                 " points; at least 5 about the resonance are needed");
   }
   const double reference = kTwoPi * peakFrequency(points);
-  // Unknowns per point, weighted by 1 / |H^-1|: P (2x2) and c in H^-1 = P - c (w^2 - w_r^2) with
-  // P = c (K - w_r^2 + i w_r C). The part i (w - w_r) C, small over a resonance, is put in by
-  // repeating the fit.
+  // The unknowns are P (2x2) and c in H^-1 = P - c (w^2 - w_r^2) with P = c (K - w_r^2 + i w_r C);
+  // each point has the weight 1 / |H^-1|. The term c i (w - w_r) C is small over a resonance and is
+  // added by repeating the fit.
   const auto count = static_cast<Eigen::Index>(points.size());
   Eigen::Matrix2cd damping = Eigen::Matrix2cd::Zero();
   Eigen::Matrix2cd constant;
@@ -85,7 +86,7 @@ FrequencyResponseFit fitFrequencyResponse(const std::vector<FrequencyPoint>& poi
         right[row] = weight * corrected(k / 2, k % 2);
       }
     }
-    // Columns of very different size: scale them for the factorisation.
+    // The columns have very different sizes: scale them for the factorisation.
     const Eigen::VectorXd scale = equations.colwise().norm();
     const Eigen::VectorXcd scaled =
         (equations * scale.cwiseInverse().asDiagonal()).colPivHouseholderQr().solve(right);
@@ -124,11 +125,11 @@ FrequencyResponseFit fitFrequencyResponse(const std::vector<FrequencyPoint>& poi
 }
 
 std::array<VibrationMode, 2> fitRingDown(const RingDown& ring_down) {
-  // Over a lag of many samples the motion changes by far more than the noise.
+  // Over a lag of many samples the motion changes by much more than the noise.
   const auto lag =
       static_cast<std::size_t>(std::max(1.0, std::round(kRingDownLag / ring_down.period)));
-  // Instrumental variables: products of envelopes whose noise is independent, so that it does not
-  // bias.
+  // Instrumental variables: products of envelopes with independent noise, so that the noise gives
+  // no bias.
   Eigen::Matrix2cd ahead = Eigen::Matrix2cd::Zero();   // sum of E(t + 2 lag) E(t)^H
   Eigen::Matrix2cd now = Eigen::Matrix2cd::Zero();     // sum of E(t + lag) E(t)^H
   Eigen::Matrix2cd energy = Eigen::Matrix2cd::Zero();  // sum of E(t) E(t)^H

@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kBlock = 1000000;
 constexpr std::uint64_t kFirst = 1000;
 
-/// A usable block whose drive along x is its number.
+/// Admits a usable block whose drive along x is its sequence number.
 BlockUse admit(BlockChain& chain, std::uint64_t sequence, double delay_blocks) {
   OrbitalElements elements;
   elements.stamp = {1, sequence, static_cast<std::int64_t>(sequence + 1) * kBlock, kBlock};
@@ -38,7 +38,7 @@ TEST(BlockChain, StepsHaveTheDriveThatActedADelayBefore) {
       const bool usable = use == BlockUse::kUsable;
       EXPECT_TRUE(usable || use == BlockUse::kAfterBreak);
       EXPECT_EQ(usable, static_cast<double>(last - kFirst + 1) >= 2.0 * delay) << last;
-      // A step leads from a usable block to a usable one.
+      // A step needs a usable block at both ends.
       if (!std::exchange(before, usable) || !usable) continue;
       const double acted = static_cast<double>(last) - delay;
       ASSERT_NEAR(chain.step(0.0).x.re, acted, 1e-12 * acted) << last;
@@ -53,7 +53,7 @@ TEST(BlockChain, DriveOfTwoBlocksActsWhereTheDelayIsNotWhole) {
   EXPECT_NEAR(chain.step(0.0).x.re, static_cast<double>(kFirst + 199) - 30.5, 1e-9);
 }
 
-// Without a delay the first block after a gap can be used, but nothing leads to it.
+// Without a delay the first block after a gap can be used, but no step leads to it.
 TEST(BlockChain, KnowsWhetherABlockFollowsTheOneBefore) {
   BlockChain chain(kBlock);
   const auto admitted = [&](std::uint64_t sequence) {

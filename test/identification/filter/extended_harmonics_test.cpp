@@ -1,5 +1,6 @@
-// Harmonics of the drift and of the angle scale, sense matrix and scale of the rotation: errors
-// that the time-domain plant has not by themselves, put into the envelope model and found again.
+// Harmonics of the drift and of the angle scale, sense matrix and scale of the rotation. The
+// time-domain plant cannot have these errors one by one, so the envelope model simulates them, and
+// the identifier must find them.
 
 #include <gtest/gtest.h>
 
@@ -144,7 +145,7 @@ void expectEverythingFound(ExtendedParameters parameters) {
   double nis = 0.0;
   int updates = 0;
   for (int n = 0; n < 120000; ++n) {
-    // Steered both ways, then turned both ways.
+    // Steered in both directions, then turned in both directions.
     const double rate = n % 40000 < 20000 ? 0.3 : -0.3;
     const double steering = n < 60000 ? rate : 0.0;
     const double rotation = n < 60000 ? 0.0 : rate;

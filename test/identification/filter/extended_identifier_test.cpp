@@ -1,5 +1,5 @@
 // The extended identifier: its model against numeric derivatives, and each group of parameters
-// found again behind the time-domain plant and the real loops.
+// identified from the time-domain plant with the real loops.
 
 #include "ring_gyro/identification/filter/extended_identifier.h"
 
@@ -34,7 +34,7 @@ ExtendedParameters everything() {
   return parameters;
 }
 
-/// Some device with every error, physical coordinates.
+/// A device with every error, physical coordinates.
 ExtendedVector someState(const ExtendedState& state) {
   ExtendedVector value(state.size());
   for (Eigen::Index k = 0; k < value.size(); ++k) value[k] = 1e-3 * std::sin(1.7 * double(k) + 1.0);
@@ -119,7 +119,7 @@ void expectStepDerivatives(const ExtendedParameters& parameters) {
   EnvelopeSensitivity numeric(4, state.size());
   EnvelopeSensitivity shown(4, state.size());
   for (Eigen::Index k = 0; k < state.size(); ++k) {
-    // Small against the rate that would change the derivative, large against rounding.
+    // Too small to change the derivative, but large compared with rounding.
     const double step =
         k == state.layout().frequency ? 1e-3 : 1e-3 * std::max(std::abs(value[k]), 1e-6);
     ExtendedVector more = value;
@@ -182,7 +182,7 @@ struct Experiment {
   ControlParameters control;
   ExtendedParameters extended;
   double duration = 60.0;
-  std::function<double(double)> virtual_rate;  // of the time; empty: what `control` says
+  std::function<double(double)> virtual_rate;  // of the time; empty: that of `control`
 
   Experiment() {
     ResonatorParameters& ring = plant.resonator;
@@ -252,7 +252,7 @@ Outcome run(const Experiment& experiment) {
   return outcome;
 }
 
-/// The estimate is within `sigmas` of the truth, and the truth within reach of the noise.
+/// Expects the estimate within 4 sigmas of the truth, and a sigma below `largest_sigma`.
 void expectFound(const Outcome& outcome, const std::string& name, double truth,
                  double largest_sigma) {
   EXPECT_NEAR(outcome.value(name), truth, 4.0 * outcome.sigma(name)) << name;
@@ -260,7 +260,7 @@ void expectFound(const Outcome& outcome, const std::string& name, double truth,
 }
 
 void expectWhite(const Outcome& outcome) {
-  // Chi square with 4 degrees of freedom an update: four standard deviations of its mean.
+  // Chi squared with 4 degrees of freedom per update; four standard deviations of the mean.
   EXPECT_NEAR(outcome.mean_nis, 4.0, 4.0 * std::sqrt(8.0 / outcome.updates));
 }
 
@@ -342,7 +342,7 @@ TEST(ExtendedIdentifier, FindsTheDriveMatrixWhenTheVirtualRateIsReversed) {
   expectWhite(outcome);
 }
 
-// With a larger mu the drive that cancels quadrature would tell them apart by itself.
+// With a larger mu, the drive that cancels quadrature alone would tell the errors apart.
 Experiment withDriveErrorsAndSmallMu() {
   Experiment experiment = withDriveErrors();
   experiment.plant.resonator.mu1 = 5e-7;
@@ -350,8 +350,8 @@ Experiment withDriveErrorsAndSmallMu() {
   return experiment;
 }
 
-// Steered one way only, a drive that is turned and a drift that is the same at every angle differ
-// by what the slow swing of the sustain drive shows, which is little.
+// With steering in one direction only, a rotation of the drive and a drift that is the same at
+// every angle differ only by the effect of the slow variation of the sustain drive, which is small.
 TEST(ExtendedIdentifier, RotationAndBiasSeparateByReversingTheRate) {
   Experiment one_way = withDriveErrorsAndSmallMu();
   Experiment reversed = withDriveErrorsAndSmallMu();
@@ -363,8 +363,8 @@ TEST(ExtendedIdentifier, RotationAndBiasSeparateByReversingTheRate) {
   EXPECT_NEAR(less.value("drift_bias"), 0.0, 4.0 * less.sigma("drift_bias"));
 }
 
-// Without steering and at constant amplitude damping mismatch and drive mismatch do the same: the
-// estimate must say so and not pretend.
+// Without steering and at constant amplitude, damping mismatch and drive mismatch have the same
+// effect: the sigmas must show that the data do not separate them.
 TEST(ExtendedIdentifier, KeepsThePriorOfWhatCannotBeToldApart) {
   Experiment experiment = withDriveErrorsAndSmallMu();
   experiment.control.virtual_rate = 0.0;
@@ -374,7 +374,7 @@ TEST(ExtendedIdentifier, KeepsThePriorOfWhatCannotBeToldApart) {
     EXPECT_GT(outcome.sigma(name), 3e-5) << name;
   }
   EXPECT_NEAR(outcome.value("gamma1"), 0.02, 4.0 * outcome.sigma("gamma1"));
-  // Their difference is what turns the pattern, and that is known.
+  // Their difference turns the pattern, so it is known.
   const Eigen::Index gamma = outcome.at("gamma1");
   const Eigen::Index drive = outcome.at("drive_mismatch");
   const ExtendedMatrix& covariance = outcome.last.covariance;
@@ -455,7 +455,7 @@ TEST(ExtendedIdentifier, KeepsItsParametersOverAGapAndForgetsThemWithASession) {
   LoopOutput output;
   for (int n = 0; n < 20000; ++n) {
     output = loops.process(*block);
-    // Lost blocks, an unusable one, and one with a number that is none.
+    // Lost blocks, an unusable one, and one with a NaN.
     const bool lost = n >= 15020 && n < 15150;
     if (n == 16010) output.elements.status.converter_saturated = true;
     if (n == 17050) output.gains.drive.sustain.x() = std::numeric_limits<double>::quiet_NaN();

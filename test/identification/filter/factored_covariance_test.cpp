@@ -24,7 +24,7 @@ Matrix2x5 rowsOf(const Vector& first, const Vector& second) {
   return {Vector5(first), Vector5(second)};
 }
 
-/// Relative to the standard deviations.
+/// Difference relative to the standard deviations.
 template <typename Full>
 double difference(const Full& covariance, const Full& expected) {
   const auto scale = expected.diagonal().cwiseSqrt().cwiseInverse().eval();
@@ -39,7 +39,7 @@ TEST(FactoredCovariance, MeasuresAsFullMatricesDo) {
   for (int n = 0; n < 5; ++n) {
     Eigen::Matrix<double, 2, 5> rows;
     rows << kFirstRow.transpose(), kSecondRow.transpose();
-    rows(0, n) *= 1.7;  // other directions each time
+    rows(0, n) *= 1.7;  // different directions each time
     FactoredCovariance next;
     const FactoredCovariance::Outcome outcome =
         factored.measure(rowsOf(rows.row(0), rows.row(1)), kNoise, Vector2{0.3, -0.2}, next);
@@ -70,8 +70,8 @@ TEST(FactoredCovariance, MeasuresAsFullMatricesDo) {
   }
 }
 
-// The two dependent quantities and the five parameters as one full matrix: noise is added to the
-// parameters alone.
+// Against one full matrix of the two dependent quantities and the five parameters, where noise is
+// added to the parameters only.
 TEST(FactoredCovariance, AddsNoiseThatDependentQuantitiesDoNotShare) {
   FactoredCovariance factored;
   FactoredCovariance(someVariances())
@@ -114,7 +114,7 @@ TEST(FactoredCovariance, AddsNoiseToWhatIsKnownExactly) {
   EXPECT_EQ(factored.matrix(), Matrix(4.0 * Vector::Unit(2) * Vector::Unit(2).transpose()));
 }
 
-// A full matrix has lost the sign of the smallest variance long before.
+// In a full matrix rounding would have made the smallest variance negative long before.
 TEST(FactoredCovariance, StaysPositiveHoweverPreciseTheMeasurement) {
   FactoredCovariance factored(someVariances());
   for (int n = 0; n < 100; ++n) {

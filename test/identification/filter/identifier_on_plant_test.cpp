@@ -1,5 +1,5 @@
-// The identifier behind the time-domain plant and the real loops: everything that the averaged
-// model leaves out is in these figures.
+// The identifier with the time-domain plant and the real loops: these errors contain everything
+// that the averaged model leaves out.
 
 #include <gtest/gtest.h>
 

@@ -108,7 +108,7 @@ TEST(Identifier, RefusesWhatItCannotUse) {
   EXPECT_EQ(with([](auto&, auto&) {}).periodBlocks(), 100);
 }
 
-// Noise-free. Inputs taken from a microsecond off would already fail this.
+// Without noise. Inputs that are wrong in time by a microsecond would already fail.
 TEST(Identifier, RecoversTheDeviceAtAnyGroupDelay) {
   for (const double delay : {0.0, 0.2e-3, 0.6275e-3, 1.0e-3, 1.75e-3}) {
     SCOPED_TRACE(delay);
@@ -154,8 +154,8 @@ TEST(Identifier, SaysHowWellItKnowsWhatItFound) {
   }
 }
 
-// Normalised squared errors of the five parameters over independent runs: chi squared with 5 per
-// run. 25 runs: 125 +- 16, three sigmas allowed.
+// The normalised squared error of the five parameters is chi squared with 5 degrees of freedom for
+// each independent run. 25 runs: 125 +- 16; three sigmas are allowed.
 TEST(Identifier, ErrorsAreAsLargeAsItsCovarianceSays) {
   double sum = 0.0;
   double innovations = 0.0;
@@ -206,7 +206,7 @@ TEST(Identifier, PeriodsOfOneBlockAndOfAHundredAgree) {
     if (const auto estimate = fast.process(output.elements, output.gains)) each_block = *estimate;
     if (const auto estimate = slow.process(output.elements, output.gains)) each_period = *estimate;
   }
-  // The slower filter starts 100 ms later and weighs the samples of a period alike.
+  // The slower filter starts 100 ms later and gives all samples of a period the same weight.
   for (int k = kGamma1; k <= kDriveGain; ++k) {
     const auto state = static_cast<StateIndex>(k);
     EXPECT_NEAR(each_block.value[k], each_period.value[k], 0.15 * each_period.sigma(state)) << k;
@@ -247,12 +247,13 @@ TEST(Identifier, EmitsAtThePeriodsEndWheneverItStarted) {
     }
   }
   EXPECT_EQ(ends, (std::vector<std::uint64_t>{99, 199, 299, 399, 499}));
-  // 37..99 is no whole period, 100..199 sets the scale of ks.
+  // 37..99 is not a whole period, 100..199 sets the scale of ks.
   EXPECT_EQ(updated, (std::vector<bool>{false, false, true, true, true}));
 }
 
-/// Runs 40 s with `harm` done to each block and checks that estimates stay right and finite. The
-/// group delay makes the first period one without use: its first element holds what came before.
+/// Runs 40 s, applies `harm` to each block and checks that the estimates stay right and finite. The
+/// first period cannot be used: its first elements reach back, by the group delay, to before the
+/// first block.
 constexpr std::uint64_t kFirstPeriod = 100;
 
 template <typename Harm>
@@ -281,7 +282,8 @@ TEST(Identifier, GapsCostTheirPeriodsOnly) {
     return !lost;
   });
   EXPECT_EQ(estimate.lost_blocks, 8u + 220u);
-  // Eight single losses cost the rest of their periods, the long one 90 blocks on either side.
+  // Each of the eight single losses costs the rest of its period, the long one 90 blocks on each
+  // side.
   EXPECT_EQ(estimate.rejected_blocks, kFirstPeriod + 8u * 99u + 90u + 90u);
   EXPECT_EQ(estimate.used_blocks, 40000u - estimate.lost_blocks - estimate.rejected_blocks);
 }
@@ -298,7 +300,7 @@ TEST(Identifier, UnusableBlocksBreakTheChain) {
 }
 
 TEST(Identifier, ElementsThatStillHoldABadBlockAreNotUsed) {
-  // A bad last block of a period is in the demodulator's memory of the next one's first elements.
+  // The first elements of a period still depend on the last block of the period before.
   const ParameterEstimate estimate = runHarmed([](int n, AveragedLoop::Output& output) {
     if (n == 9999) output.elements.status.invalid_samples = true;
     return true;
@@ -326,7 +328,8 @@ TEST(Identifier, NothingThatIsNotANumberGetsIn) {
     if (n == 14050) output.elements.group_delay = -1e-3;
     return true;
   });
-  // The first is in the first period anyway; the one at a period's end costs the next one as well.
+  // The first bad block is in the first period; the one at a period's end also costs the next
+  // period.
   EXPECT_EQ(estimate.rejected_blocks, kFirstPeriod + 14u * 100u + 100u);
 }
 
@@ -338,7 +341,7 @@ TEST(Identifier, DriveThatDoesNotSustainSetsNoScale) {
   EXPECT_EQ(estimate.rejected_blocks, kFirstPeriod + 100u);
 }
 
-// Nonsense that calls itself usable spoils the estimate, but nothing that leaves is not a number.
+// Absurd data that are marked usable spoil the estimate, but all its numbers stay finite.
 TEST(Identifier, StaysFiniteWhateverItIsTold) {
   for (const double size : {1e3, 1e7, 1e11}) {
     AveragedLoop loop{AveragedLoop::Options{}};
@@ -409,7 +412,7 @@ TEST(Identifier, NewSessionStartsAfresh) {
   EXPECT_FALSE(estimate.converged);
   EXPECT_EQ(estimate.sigma(kGamma1), 0.1);
 
-  // What follows is what a new identifier makes of it, to the last bit.
+  // After that the results are those of a new identifier, to the last bit.
   Identifier fresh(kKnown, parametersFor(), ConverterParameters{});
   AveragedLoop again(options);
   const ParameterEstimate continued = run(identifier, second, 4900);
@@ -451,7 +454,7 @@ TEST(Identifier, ConvergedNeedsTheAngle) {
   EXPECT_GE(angle_at_convergence, kPi);
   EXPECT_LT(angle_at_convergence, kPi + 0.05);
 
-  // Standing still it never says so, however long it looks.
+  // A pattern at rest never converges, however long the run.
   AveragedLoop::Options options;
   options.virtual_rate = 0.0;
   options.device = {0.0, 0.0, 0.0, 0.0, 1.1e5};
@@ -495,7 +498,7 @@ TEST(Identifier, FollowsAParameterThatWalks) {
   EXPECT_GT(following.sigma(kGamma1), 10.0 * settled.sigma(kGamma1));
 }
 
-// The Q and R printed in the paper, without noise in the data: slow, and never sure of themselves.
+// The Q and R printed in the paper, without noise in the data: slow, and never converged.
 TEST(Identifier, PaperTuningIsSlow) {
   IdentificationParameters parameters = parametersFor();
   parameters.tuning = Tuning::kPaper;

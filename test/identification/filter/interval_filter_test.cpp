@@ -37,8 +37,8 @@ IntervalFilter filterWith(const IntervalNoise& noise) {
   return IntervalFilter(AveragedModel(kKnown), noise, kStep);
 }
 
-/// The paper's filter on means: its seven states and the running sums of a and b, which are two
-/// states more; in long double.
+/// The paper's filter with means as measurements, in long double: its seven states, and the running
+/// sums of a and b as two more.
 class MeanReference {
  public:
   using Real = long double;
@@ -115,7 +115,7 @@ const IntervalUpdate& takeAndUpdate(IntervalFilter& filter, const RecordedStep& 
                               record.measured);
 }
 
-/// How far the filter has been off the reference at the end of an interval.
+/// Largest differences between filter and reference at the end of an interval.
 struct WorstErrors {
   double value = 0.0;  // in sigmas
   double sigma = 0.0;
@@ -152,7 +152,7 @@ TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
           ASSERT_TRUE(takeAndUpdate(filter, records[n]).accepted);
         } else {
           take(filter, records[n]);
-          filter.settle();  // each step by itself, derivatives too
+          filter.settle();  // each step by itself, also its derivatives
           if ((n + 1) % static_cast<std::size_t>(period) != 0) continue;
           ASSERT_TRUE(filter.update().accepted);
         }
@@ -165,8 +165,8 @@ TEST(IntervalFilter, AgreesWithADenseFilterInLongDouble) {
   }
 }
 
-// Each step is predicted by itself, but the derivatives are those of up to 8 steps in one: the
-// same estimates but for weights that are off by less than a thousandth.
+// Each step is predicted by itself, but the derivatives are those of one step over up to 8: the
+// estimates differ only by their weights, by less than a thousandth.
 TEST(IntervalFilter, TakesStepsSideBySide) {
   const std::vector<RecordedStep> records = recordLoop(30000, 5e-6);
   const IntervalNoise noise = noiseOf(5e-6, 2e-6);
@@ -192,8 +192,8 @@ TEST(IntervalFilter, TakesStepsSideBySide) {
   EXPECT_LT(worst.normalised_innovation_squared, 2e-3);
 }
 
-// A ring without dynamics, so that the noise of end and mean can be written down: from a known
-// start, S = q h (n + 1)(2 n + 1) / (6 n) + R / n for the mean of a random walk at n times.
+// A ring without dynamics, so the noise of end and mean has a closed form: from a known start,
+// S = q h (n + 1)(2 n + 1) / (6 n) + R / n for the mean of a random walk at n times.
 TEST(IntervalFilter, ProcessNoiseEntersMeanAndEndAsItShould) {
   const double density = 1e-3;
   const double process = 0.5;
@@ -245,15 +245,15 @@ TEST(IntervalFilter, ParametersWalk) {
     }
     ASSERT_TRUE(filter.update().accepted);
   }
-  // Measurements as bad as these teach nothing: 0.4 s of walk remain.
+  // Measurements with this much noise show nothing: the sigmas are those of 0.4 s of random walk.
   for (int k = 0; k < 5; ++k) {
     EXPECT_NEAR(std::sqrt(filter.covariance()(k + 2, k + 2)), walk[k] * std::sqrt(0.4),
                 1e-3 * walk[k]);
   }
 }
 
-// One angle shows two combinations of the five parameters. The others must not become uncertain,
-// however long the pattern rests there.
+// At one angle the data show two combinations of the five parameters. The others must not become
+// less certain, however long the pattern rests there.
 TEST(IntervalFilter, ForgetsOnlyWhatNewerDataShow) {
   IntervalFilter filter = filterWith(noiseOf(5e-6, 2e-6));
   StateVector sigma;
@@ -316,11 +316,11 @@ TEST(IntervalFilter, CovarianceStaysSymmetricAndPositiveOver300000Updates) {
   const std::vector<RecordedStep> records = recordLoop(30000, 5e-6);
   IntervalFilter filter = filterWith(noiseOf(5e-6, 0.0));
   StateVector sigma = startSigma();
-  sigma[kA] = sigma[kB] = 1.0;  // as far from the end as it may be
+  sigma[kA] = sigma[kB] = 1.0;  // a start as uncertain as possible
   filter.initialise(startValue(), sigma, kNoWalk);
   for (int n = 0; n < 300000; ++n) {
     const RecordedStep& record = records[static_cast<std::size_t>(n) % records.size()];
-    // 30 s are three quarters of a turn of the pattern: restart where the record does.
+    // The record does not end where it begins: restart the axes when it repeats.
     if (n % 30000 == 0) filter.restartAxes(record.measured, 1.0);
     take(filter, record);
     ASSERT_TRUE(filter.update().accepted) << n;
@@ -334,13 +334,14 @@ TEST(IntervalFilter, CovarianceStaysSymmetricAndPositiveOver300000Updates) {
   EXPECT_NEAR(filter.value()[kGamma1], kDevice.gamma1, 5e-6);
 }
 
-// Expected value 2 with variance 4: 6 runs of 300 updates each, three sigmas of their mean.
+// Each has the expected value 2 and the variance 4. The limit is three sigmas of the mean of 6 runs
+// with 300 updates each.
 TEST(IntervalFilter, InnovationsAreAsLargeAsTheirCovarianceSays) {
   double sum = 0.0;
   int updates = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     IntervalFilter filter = filterWith(noiseOf(5e-6, 0.0));
-    // Near the truth: what is tested is the noise, not the way there.
+    // Start near the truth: the test is about the noise, not about convergence.
     StateVector value, sigma;
     value << 1.0, 0.0, 0.0201, 0.0301, -30.01e-6, -40.01e-6, 1.1e5;
     sigma << 1e-3, 1e-3, 1e-3, 1e-3, 1e-8, 1e-8, 100.0;

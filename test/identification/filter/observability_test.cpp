@@ -1,4 +1,4 @@
-// What each experiment can tell: the posterior Cramer-Rao bound of every parameter, printed as the
+// What each experiment can show: the posterior Cramer-Rao bound of every parameter, printed as the
 // table of docs/observability.md.
 
 #include <gtest/gtest.h>
@@ -60,14 +60,14 @@ struct Bound {
 
   Eigen::Index at(const std::string& name) const { return state.find(name).value(); }
   double sigma(const std::string& name) const { return std::sqrt(covariance(at(name), at(name))); }
-  /// Share of the prior that is left.
+  /// Share of the prior sigma that is left.
   double left(const std::string& name) const { return sigma(name) / prior[at(name)]; }
   double correlation(const std::string& one, const std::string& other) const {
     return covariance(at(one), at(other)) / (sigma(one) * sigma(other));
   }
 };
 
-/// A ring with a small mu: with a large one the drive that nulls quadrature tells a lot by itself.
+/// A ring with a small mu: with a large mu the drive that nulls quadrature alone shows a lot.
 Bound boundOf(const Experiment& experiment) {
   AveragedLoop::Options options;
   options.device.mu1 = 5e-7;
@@ -143,7 +143,8 @@ TEST_F(Observability, Table) {
   }
   std::printf("%-21s", "condition");
   for (const Bound& bound : *bounds_) {
-    // Of the correlation matrix of the parameters: how near two of them are to being one.
+    // Condition number of the correlation matrix of the parameters: large if some of them can
+    // hardly be told apart.
     const Eigen::Index parameters = bound.state.size() - 4;
     const Eigen::MatrixXd covariance = bound.covariance.bottomRightCorner(parameters, parameters);
     const Eigen::VectorXd sigma = covariance.diagonal().cwiseSqrt();
@@ -157,8 +158,8 @@ TEST_F(Observability, Table) {
 }
 
 TEST_F(Observability, DriveMismatchIsDampingMismatchUntilTheRateIsReversedOrTheAmplitudeChanges) {
-  // At constant amplitude and one rate their difference acts, and what the small swing of the
-  // sustain drive shows of the rest is of second order.
+  // At constant amplitude and one rate only their difference acts, except for the small variation
+  // of the sustain drive, which is of second order.
   for (const char* name : {"gamma1", "drive_mismatch"}) {
     EXPECT_GT(turned().sigma(name), 50.0 * steeredReversed().sigma(name)) << name;
     EXPECT_GT(steered().sigma(name), 20.0 * steeredModulated().sigma(name)) << name;
@@ -171,7 +172,7 @@ TEST_F(Observability, PhaseMismatchIsStiffnessMismatchUntilTheRateIsReversedOrTh
     EXPECT_GT(steered().sigma(name), 10.0 * steeredModulated().sigma(name)) << name;
     EXPECT_GT(steered().sigma(name), 10.0 * steeredReversed().sigma(name)) << name;
   }
-  // The figure asked for: 0.1 deg between the axes alone would pass for 4e-8.
+  // The required figure: 0.1 deg between the axes alone would look like a mu1 of 4e-8.
   EXPECT_LT(steeredReversed().sigma("mu1"), 5e-9);
 }
 

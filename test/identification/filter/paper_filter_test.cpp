@@ -36,7 +36,7 @@ AveragedInput someInput() {
 }
 
 /// The equations as they are printed: at w = w0, phi = -pi/2, a pattern at rest, and the drive (20)
-/// of sustain beta and quadrature alpha; over a step in which Euler's rule is good enough.
+/// of sustain beta and quadrature alpha; the step is so short that Euler's rule is good enough.
 TEST(PaperFilter, IsEquations30To33AsPrinted) {
   const StateVector x = someValue();
   const double a = x[0], b = x[1], ks = x[6];
@@ -45,7 +45,7 @@ TEST(PaperFilter, IsEquations30To33AsPrinted) {
   for (const double theta : {0.0, 0.4, 2.2}) {
     AveragedInput input;
     input.reference_frequency = w;
-    // (20) of the orbit itself: beta of the velocity of both axes.
+    // (20) for this orbit: beta multiplies the velocity of both axes.
     const Eigen::Rotation2D<double> turn(theta);
     const std::complex<double> i(0.0, 1.0);
     const Eigen::Vector2cd along(w * beta * a - alpha * b, -i * (w * beta * b - alpha * a));
@@ -63,7 +63,8 @@ TEST(PaperFilter, IsEquations30To33AsPrinted) {
     EXPECT_NEAR(static_cast<double>(step.after[1] - Real(b)) / dt, f_b, 1e-6);
     for (int k = 2; k < 7; ++k) EXPECT_EQ(step.after[k], Real(x[k]));
 
-    // (33), columns gamma1 to ks. The drive is an input: (32) has it where a and b stand in it.
+    // (33), columns gamma1 to ks. The drive is an input, so a and b in it have no derivatives,
+    // unlike in (32).
     const double columns[2][5] = {
         {-a * d * c, -a * d * s, -b * w / 2 * s, b * w / 2 * c, a * beta / 2 - b * alpha / (2 * w)},
         {b * d * c, b * d * s, a * w / 2 * s, -a * w / 2 * c, b * beta / 2 - a * alpha / (2 * w)}};
@@ -96,7 +97,7 @@ TEST(PaperFilter, ItsJacobianIsTheDerivativeOfItsStep) {
   }
 }
 
-/// The noise of the angles goes through how the step depends on them.
+/// Noise of the angles enters through the derivatives of the step with respect to them.
 TEST(PaperFilter, NoiseOfTheAnglesActsThroughTheSlopes) {
   IntervalNoise noise;
   noise.angle_density = 1e-10;

@@ -28,7 +28,7 @@ TEST(PeriodKeeper, EndsPeriodsWhereTheSequenceSaysWheneverItWasStarted) {
   EXPECT_EQ(periods.firstSequence(), 7u);
   EXPECT_EQ(periods.rejected(), 3u);
   EXPECT_EQ(periods.used(), 40u);
-  EXPECT_NEAR(periods.angleCovered(), 3.9, 1e-12);  // of blocks 10 to 49
+  EXPECT_NEAR(periods.angleCovered(), 3.9, 1e-12);  // from blocks 10 to 49
 }
 
 TEST(PeriodKeeper, APeriodWithAGapOrASpoiltBlockIsNotComplete) {
@@ -41,7 +41,7 @@ TEST(PeriodKeeper, APeriodWithAGapOrASpoiltBlockIsNotComplete) {
   EXPECT_EQ(periods.follow(at(20)), Follows::kAfterGap);  // the first of its period
   EXPECT_TRUE(periods.complete());
   EXPECT_EQ(periods.lost(), 18u);
-  EXPECT_EQ(periods.rejected(), 2u);  // of the period whose end was lost
+  EXPECT_EQ(periods.rejected(), 2u);  // blocks of the period whose end was lost
   periods.spoil();
   EXPECT_FALSE(periods.complete());
   periods.follow(at(21));

@@ -1,4 +1,4 @@
-// The batch fit: exact without noise, from any guess, and what the filter comes near.
+// The batch fit: without noise it is exact from any guess; with noise the filter comes near it.
 
 #include "ring_gyro/identification/judge/batch_least_squares.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNoise = 5e-6;  // [V/sqrt(Hz)]
 
-/// Told wrong.
+/// Knowledge of the device with a wrong Q.
 DeviceKnowledge toldOf(const AveragedLoop::Options& options) {
   DeviceKnowledge told = options.known;
   told.quality_factor *= 0.8;
@@ -72,7 +72,7 @@ TEST(BatchLeastSquares, AgreesWithTheFilterOverGapsAndExplainsTheNoise) {
               4.0 * std::sqrt(2.0 / estimate.residuals));
   for (Eigen::Index k = 4; k < estimate.value.size(); ++k) {
     const double sigma = std::sqrt(estimate.covariance(k, k));
-    // The filter does not use its first period, nor that of a gap.
+    // The filter uses neither its first period nor a period with a gap.
     EXPECT_NEAR(last.sigma(k) / sigma, 1.0, 0.03) << k;
     EXPECT_NEAR(last.value[k], estimate.value[k], 0.5 * sigma) << k;
   }

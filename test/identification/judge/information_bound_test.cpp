@@ -40,7 +40,7 @@ TEST(InformationBound, OfALineIsThatOfLeastSquares) {
   prior << 1e6, 0.0, 0.0, 1e6;
   InformationBound bound(prior, 1);
   InformationBound::Rows transition(1, 2);
-  transition << 1.0, 0.1;  // a position, and a rate over 0.1 s
+  transition << 1.0, 0.1;  // position, and rate times 0.1 s
   InformationBound::Rows measurement(1, 2);
   measurement << 1.0, 0.0;
   const int samples = 100;
@@ -84,8 +84,8 @@ StateMatrix axesBound(AveragedLoop::Options options) {
 TEST(AxesBound, IsWhatASwingThroughTheDecayShows) {
   const AveragedLoop::Options options = smallMu();
   const StateMatrix bound = axesBound(options);
-  // A swing in 2 theta of relative size gamma reaches a through the decay; seen for a time T
-  // against noise of density N^2 its amplitude has the variance 2 N^2 / T, and a constant N^2 / T.
+  // A variation with 2 theta, of relative size gamma, acts on a through the decay. Measured for a
+  // time T with noise of density N^2, its amplitude has the variance 2 N^2 / T, a constant N^2 / T.
   const double decay = options.known.decayRate();
   const double swing = std::hypot(decay, 2.0 * options.virtual_rate);
   const double amplitude = kNoise * std::sqrt(2.0 / kDuration);
@@ -159,12 +159,12 @@ TEST(EnvelopeBound, IsReachedByTheExtendedIdentifierAndBelowThatOfTheAxes) {
     EXPECT_NEAR(last.sigma(k) / std::sqrt(covariance(k, k)), 1.0, 0.03)
         << state.names()[static_cast<std::size_t>(k)];
   }
-  // Angle and phase show gamma and mu once more.
+  // Angle and phase show gamma and mu as well.
   for (int k = 0; k < 4; ++k) EXPECT_LT(covariance(4 + k, 4 + k), 0.6 * axes(2 + k, 2 + k));
 }
 
 TEST(EnvelopeBound, DoesNotChangeWithTheLoopsNoise) {
-  // The derivatives are taken at the truth; what the noise does to the drive is of second order.
+  // The derivatives are taken at the truth; noise in the drive has only a second-order effect.
   const AveragedLoop::Options options = smallMu();
   AveragedLoop::Options noisy = options;
   noisy.noise_density = kNoise;

@@ -22,7 +22,7 @@ constexpr double kFrequency = 14e3;
 constexpr double kQuality = 22000.0;
 const DeviceParameters kDevice{0.02, 0.03, -30e-6, -40e-6, 1.1e5};
 
-/// Random conditions, wider than a loop ever sees: any angle, any phase, any drive.
+/// Random conditions, wider than in any loop: any angle, any phase, any drive.
 class RandomCase {
  public:
   explicit RandomCase(unsigned seed) : engine_(seed) {}
@@ -80,8 +80,8 @@ TEST(AveragedModel, AxesRatesAreThoseOfTheFullModel) {
   }
 }
 
-// a' and b' are linear in the axes, in each parameter and nearly so in small angles: central
-// differences are exact to rounding but for the angles, whose third derivative leaves 1e-9.
+// a' and b' are linear in the axes and in each parameter: there central differences are exact
+// except for rounding. For the angles the third derivative leaves 1e-9.
 TEST(AveragedModel, JacobianAgreesWithCentralDifferences) {
   const AveragedModel model({kFrequency, kQuality});
   RandomCase random(2);
@@ -170,7 +170,7 @@ TEST(AveragedModel, StepIsOfSecondOrder) {
   RandomCase random(4);
   Orbit orbit = random.orbit();
   AveragedInput input = random.input();
-  // Angles that stand still, so that the exact solution is a matrix exponential.
+  // The angles are constant, so the exact solution is a matrix exponential.
   const auto after = [&](int steps) {
     Orbit now = orbit;
     for (int k = 0; k < steps; ++k) {
@@ -187,8 +187,7 @@ TEST(AveragedModel, StepIsOfSecondOrder) {
 }
 
 TEST(AveragedModel, DriveTermsAreThePrintedOnesWithTheErrata) {
-  // Sustain beta and quadrature alpha of (20) at any phi, against (21)-(24) with the signs
-  // corrected.
+  // Sustain beta and quadrature alpha of (20) at any phi, against (21)-(24) with corrected signs.
   const AveragedModel model({kFrequency, kQuality});
   RandomCase random(5);
   for (int k = 0; k < 300; ++k) {
@@ -246,7 +245,7 @@ TEST(AveragedModel, SteeringTurnsThePatternWithItsSign) {
 // ---- Against the two-mode equations in time ---------------------------------------------------
 
 /// u'' + C u' + K u = ks Re[F e^{i psi}] of section 3, psi' = w + chirp t, written from (10) with
-/// its errata and with nothing of the averaged model in it.
+/// its errata, independent of the averaged model.
 class TimeDomain {
  public:
   using State = std::array<double, 5>;  // x, y, x', y', psi
@@ -284,8 +283,8 @@ struct DemodulatedPair {
   Orbit end;
 };
 
-/// Integrates `cycles` whole cycles with a step far below the tolerance that is asserted, and
-/// demodulates over `window` of them at each end with a window of very low side lobes.
+/// Integrates `cycles` whole cycles, with steps whose error is far below the asserted tolerance,
+/// and demodulates over `window` of them at each end, with a window of very low side lobes.
 template <typename Plant>
 DemodulatedPair simulate(const Plant& plant, const Orbit& start, double w, int cycles, int window) {
   const int per_cycle = 64;
@@ -317,8 +316,8 @@ Eigen::Vector4d change(const Orbit& from, const Orbit& to) {
           wrapToPi(to.phi - from.phi)};
 }
 
-// 300 cycles are 21 ms: the orbit changes by a few hundredths. What the first order leaves out is
-// the slow rates over 2 w of that, 1e-4 at these conditions.
+// In 300 cycles, 21 ms, the orbit changes by a few hundredths. The first order leaves out a part of
+// this change, the slow rates over 2 w: 1e-4 at these conditions.
 TEST(AveragedModel, RatesAgreeWithTheTimeDomainAtAnyPhase) {
   const AveragedModel model({kFrequency, kQuality});
   RandomCase random(6);
@@ -339,10 +338,10 @@ TEST(AveragedModel, RatesAgreeWithTheTimeDomainAtAnyPhase) {
   }
 }
 
-// Quadrature and sustain off -90 deg: the printed signs of (23)(24) move theta and phi the wrong
-// way.
+// Quadrature and sustain away from -90 deg: with the printed signs of (23)(24) theta and phi move
+// in the wrong direction.
 TEST(AveragedModel, TimeDomainDecidesTheSignsOf23And24) {
-  // An ideal ring: mismatch would turn the change of b into more change of theta and phi.
+  // An ideal ring: with mismatch the change of b would change theta and phi too.
   const DeviceParameters ideal{0.0, 0.0, 0.0, 0.0, kDevice.drive_gain};
   const double w = kTwoPi * kFrequency;
   const double ks = ideal.drive_gain;
@@ -367,14 +366,15 @@ TEST(AveragedModel, TimeDomainDecidesTheSignsOf23And24) {
   EXPECT_NEAR(effect[3], -ks * beta * cosine / 2, 0.01 * ks * beta * cosine / 2);
 }
 
-// Observing from a reference that speeds up changes what is called phi, not the size of the orbit.
+// A reference whose frequency rises changes phi, but not the size of the orbit.
 TEST(AveragedModel, ReferenceThatRunsAwayDoesNotScaleTheOrbit) {
   const DeviceParameters ideal{0.0, 0.0, 0.0, 0.0, kDevice.drive_gain};
   const double w = kTwoPi * kFrequency;
   const double chirp = 3000.0;
   AveragedInput quiet;
   quiet.reference_frequency = w;
-  // Passing the resonance half-way: what the window loses to detuning is the same at both ends.
+  // The reference passes the resonance half-way: the window loses the same by detuning at both
+  // ends.
   AveragedInput early = quiet;
   early.reference_frequency = w - chirp * 60 / kFrequency;
   TimeDomain steady(ideal, quiet), chirped(ideal, early);
@@ -388,9 +388,9 @@ TEST(AveragedModel, ReferenceThatRunsAwayDoesNotScaleTheOrbit) {
   EXPECT_LT(std::abs(shrinks), 0.01 * std::abs(as_if_followed));
 }
 
-// A pattern turned through a split ring with its quadrature nulled: the frequency follows the
-// angle, and an orbit whose frequency rises by w' shrinks by w' / (2 w) of itself. Half of it is
-// what the turning pattern adds, half what the changing drive does.
+// A pattern turns in a ring with a frequency split while its quadrature is nulled. The frequency
+// follows the angle, and an orbit whose frequency rises at w' shrinks at the relative rate
+// w' / (2 w). Half of this comes from the turning pattern, half from the changing drive.
 TEST(AveragedModel, OrbitShrinksAsTheVibrationSpeedsUp) {
   const double w0 = kTwoPi * kFrequency;
   const double mu = 2e-3;
@@ -399,7 +399,8 @@ TEST(AveragedModel, OrbitShrinksAsTheVibrationSpeedsUp) {
   const auto angle = [&](double t) { return 0.3 - turning * (t - middle); };
   const auto plant = [&](const TimeDomain::State& u, TimeDomain::State& rate, double t) {
     const double c = std::cos(angle(t)), s = std::sin(angle(t));
-    // A force across the pattern as its displacement along: what an ideal quadrature loop does.
+    // A force across the pattern, in phase with the displacement along it: an ideal quadrature
+    // loop.
     const double across = -w0 * w0 * mu * std::sin(2.0 * angle(t)) * (c * u[0] + s * u[1]);
     const double d = w0 / kQuality;
     rate[0] = u[2];
@@ -433,8 +434,8 @@ TEST(AveragedModel, OrbitShrinksAsTheVibrationSpeedsUp) {
   EXPECT_NEAR(rates.rate[0] + decay, -0.5 * chirp / w0, 0.005 * chirp / w0);
 }
 
-// From rest, without damping, a drive that sets in at a phase psi leaves the envelope on a straight
-// line, moved by ks / (4 w^2) (F - F* e^{-2 i psi}).
+// From rest, without damping, a drive that starts at the phase psi moves the envelope along a
+// straight line, which is shifted by ks / (4 w^2) (F - F* e^{-2 i psi}).
 TEST(AveragedModel, DriveThatStepsMovesTheEnvelope) {
   const double w = kTwoPi * kFrequency;
   const Eigen::Vector2cd drive(Complex(3.0, 1.0), Complex(-1.0, 2.0));

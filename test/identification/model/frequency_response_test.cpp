@@ -63,7 +63,7 @@ TEST(FrequencyResponse, RingDownFindsBothModes) {
   const double split = std::hypot(r.mu1, r.mu2) * r.natural_frequency;
   EXPECT_NEAR(modes[1].frequency - modes[0].frequency, split, 2e-3);
   EXPECT_NEAR(0.5 * (modes[0].frequency + modes[1].frequency), r.natural_frequency, 1e-3);
-  // Damping of a mode: the mismatch along its axis.
+  // The damping of a mode has the mismatch along its axis.
   const double angle = 0.5 * std::atan2(r.mu2, r.mu1);
   const double along = r.gamma1 * std::cos(2.0 * angle) + r.gamma2 * std::sin(2.0 * angle);
   EXPECT_NEAR(modes[1].quality_factor * (1.0 + along) / r.quality_factor, 1.0, 2e-3);

@@ -8,21 +8,20 @@ namespace cvg {
 
 /// Outcome of one update of the envelope filter.
 struct EnvelopeUpdate {
-  bool accepted = false;  ///< false: a number was not finite, or no sample; nothing was changed
+  bool accepted = false;  ///< false: no sample, or a number not finite; nothing was changed
   Eigen::Vector4d innovation = Eigen::Vector4d::Zero();             ///< of the mean [V]
   Eigen::Matrix4d innovation_covariance = Eigen::Matrix4d::Zero();  ///< [V^2]
   double normalised_innovation_squared = 0.0;
 };
 
-/// Extended Kalman filter on the envelope model that takes the mean of the measured envelope over
-/// an interval as one measurement: the technique of IntervalFilter, with four rows and as many
-/// states as the chosen groups make. Works in linear coordinates (ExtendedState). Does not
-/// allocate.
+/// Extended Kalman filter on the envelope model that uses the mean of the measured envelope over an
+/// interval as one measurement. It works like IntervalFilter, but with the four parts of the
+/// envelope, the states of the chosen groups of parameters, and a full covariance. States are in
+/// linear coordinates (ExtendedState). Does not allocate.
 class EnvelopeFilter {
  public:
-  /// `sample_variance`: of each part of the envelope in a sample over
-  /// `sample_duration` [s], white [V^2]; `rate_density`: of
-  /// each part of its rate, white, two-sided [V^2/s].
+  /// `sample_variance`: of each part of the envelope in a sample over `sample_duration` [s], white
+  /// [V^2]; `rate_density`: of each part of its rate, white, two-sided [V^2/s].
   EnvelopeFilter(const EnvelopeModel& model, double sample_variance, double sample_duration,
                  double rate_density);
 
@@ -30,17 +29,17 @@ class EnvelopeFilter {
   /// `walk`: variance growth of the states [unit^2/s]. All in linear coordinates.
   void initialise(const ExtendedVector& value, const ExtendedMatrix& covariance,
                   const ExtendedVector& scale, const ExtendedVector& walk);
-  /// Forgets the envelope, keeps the parameters: `envelope` with standard deviation `sigma` [V],
-  /// correlated with nothing. Starts an interval.
+  /// Forgets the envelope and keeps the parameters; the envelope becomes `envelope` with standard
+  /// deviation `sigma` [V] of each part, without correlations. Starts an interval.
   void restartEnvelope(const Eigen::Vector4d& envelope, double sigma);
 
   /// Whether one interval of `duration` [s] from here on is linear enough: products of the
-  /// uncertainties of envelope and rates stay under a tenth of the noise of the mean of `samples`.
+  /// uncertainties of envelope and rates stay below a tenth of the noise of the mean of `samples`.
   bool isLinearOver(double duration, int samples, const EnvelopeInput& input) const;
 
   /// From now on linearise at these parameters (linear coordinates) and at the measured envelope,
-  /// not at the estimate: an estimate that wanders while little is known would make the filter see
-  /// what is not there. To be called between intervals.
+  /// not at the estimate. While little is known the estimate moves, and derivatives taken at it
+  /// would give the filter information that the data do not contain. Call it between intervals.
   void linearise(const ExtendedVector& nominal);
   /// From now on linearise at the estimate, as an extended Kalman filter does.
   void lineariseAtEstimate() { at_estimate_ = true; }
@@ -48,16 +47,16 @@ class EnvelopeFilter {
 
   /// `measured`: envelope in the middle of the step [V]; used when not linearising at the estimate.
   void step(const EnvelopeInput& input, const Eigen::Vector4d& measured, double duration);
-  /// How uncertain the matrix is that acts on an error of the envelope, root of the sum of the
+  /// Uncertainty of the matrix that acts on an error of the envelope: root of the sum of the
   /// variances of its parts [1/s].
   double matrixSigma(const EnvelopeInput& input) const;
-  /// How far the matrix at the estimate is from that where the filter is linearised [1/s].
+  /// Distance of that matrix at the estimate from the one at which the filter is linearised [1/s].
   double matrixMoved(const EnvelopeInput& input) const;
   /// Adds a measured envelope [V] to the interval's mean.
   void sample(const Eigen::Vector4d& measured);
   /// Ends the interval with its update and starts the next.
   EnvelopeUpdate update();
-  /// Drops what the interval has gathered, back to its start.
+  /// Goes back to the start of the interval and drops what it has gathered.
   void abandon();
 
   const ExtendedVector& value() const { return value_; }  ///< at the end of the last interval
@@ -65,7 +64,8 @@ class EnvelopeFilter {
   const EnvelopeModel& model() const { return model_; }
 
  private:
-  /// Sum of squares of the parts of that matrix, from the squares of the parameters' errors.
+  /// Sum of the squared errors of the parts of the matrix of matrixSigma(), from the squared errors
+  /// of the parameters.
   double matrixSquare(const ExtendedVector& squares, const EnvelopeInput& input) const;
 
   EnvelopeModel model_;
@@ -77,10 +77,10 @@ class EnvelopeFilter {
   ExtendedMatrix covariance_;       // of the scaled state
   ExtendedVector variance_growth_;  // of the scaled state [1/s]
   bool at_estimate_ = true;
-  ExtendedVector nominal_;  // where to linearise otherwise
-  // What the noise of the measured envelope, where it is linearised, does to the rate through the
-  // error of nominal_ [V^2/s].
-  double nominal_density_ = -1.0;  // negative: to be found at the interval's first step
+  ExtendedVector nominal_;  // where to linearise if not at the estimate
+  // The model is linearised at the measured envelope, so the noise of this envelope acts on the
+  // rate through the error of nominal_: density of that noise [V^2/s].
+  double nominal_density_ = -1.0;  // negative: is found at the interval's first step
 
   // The running interval.
   Eigen::Vector4d envelope_;
@@ -90,7 +90,8 @@ class EnvelopeFilter {
   Eigen::Vector4d predicted_sum_;
   Eigen::Vector4d measured_sum_;
   EnvelopeSensitivity sensitivity_sum_;
-  // Process noise: of the envelope, between it and the sum of predictions, of the sum.
+  // Covariance of the process noise: of the envelope, between it and the sum of the predictions, of
+  // the sum.
   Eigen::Matrix4d noise_end_;
   Eigen::Matrix4d noise_end_sum_;
   Eigen::Matrix4d noise_sum_;

@@ -22,18 +22,17 @@ struct ExtendedEstimate {
   std::uint64_t used_blocks = 0;
   std::uint64_t rejected_blocks = 0;
   std::uint64_t lost_blocks = 0;
-  bool scaled = false;   ///< whether the first complete period has set the scale; else no value
+  bool scaled = false;   ///< whether the first complete period has set the scale; if not, no value
   bool updated = false;  ///< whether this period's data entered the estimate
   ExtendedVector value;  ///< physical coordinates, in the order of ExtendedIdentifier::names()
   ExtendedMatrix covariance;
   Eigen::Vector4d innovation = Eigen::Vector4d::Zero();             ///< of the mean envelope [V]
   Eigen::Matrix4d innovation_covariance = Eigen::Matrix4d::Zero();  ///< [V^2]
   double normalised_innovation_squared = 0.0;                       ///< 4 is expected
-  /// Whether the period was filtered by means of many blocks, the innovation being that of the
-  /// last.
+  /// Whether each update of the period used the mean of many blocks; the innovation is that of the
+  /// last update.
   bool whole_period = false;
-  /// Whether the filter will not start again; until then innovations and sigmas are of a first
-  /// pass.
+  /// True when the filter will not start again. Until then innovations and sigmas are preliminary.
   bool settled = false;
   double angle_covered = 0.0;   ///< span of theta seen [rad]
   double quality_factor = 0.0;  ///< w0 / (2 xi0 w0)
@@ -41,20 +40,23 @@ struct ExtendedEstimate {
   double sigma(Eigen::Index state) const;  ///< standard deviation of a state
 };
 
-/// The identifier on the envelope of both axes, so that the angle and the phase are measurements
-/// beside a and b: gamma, mu and ks, and what the options of ExtendedParameters add.
+/// The identifier that measures the envelope of both axes, so that the angle and the phase are
+/// measurements as well as a and b. It estimates gamma, mu and ks, and what the options of
+/// ExtendedParameters add.
 ///
-/// Rules for usable blocks, gaps and periods are those of Identifier. The first complete period
-/// only sets the scale of ks, by the balance of drive and damping, and the first f0, by the rate of
-/// phi.
+/// The rules for usable blocks, gaps and periods are those of Identifier. The first complete period
+/// only sets the scale of ks, from the balance of drive and damping, and the first f0, from the
+/// rate of phi.
 ///
-/// Passes: a filter that is linearised at its own estimate believes too much, and goes astray,
-/// along directions that are hard to see. So as long as anything is uncertain it is linearised at
-/// fixed parameters and at the measured envelope, where the model is linear. After the first
-/// second, and then when everything is well known (what is hard to see at one rate: when the rate
-/// has been reversed), it starts again at what it found, from its first knowledge but for mu and
-/// f0; until a pass finds what it was linearised at. Then `settled`; linearised at the estimate
-/// when the cubic term too is well known. What never becomes well known is never settled.
+/// Passes: along directions that the data show poorly, a filter that is linearised at its own
+/// estimate becomes too sure and drifts away. So it is first linearised at fixed parameters and at
+/// the measured envelope, where the model is linear. The first pass ends after ten periods, the
+/// others when everything is well known (what one rate shows poorly becomes well known when the
+/// rate has been reversed). The filter then starts again, linearised at what it has
+/// found. Its prior is that before any data, except for mu and f0. The passes end when one finds
+/// the parameters at which it was linearised: `settled`. After that the filter is linearised at its
+/// estimate as soon as the cubic term is well known too. If something never becomes well known, the
+/// filter never settles.
 class ExtendedIdentifier {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
@@ -62,7 +64,7 @@ class ExtendedIdentifier {
                      const ConverterParameters& converter);
 
   /// The next block; returns an estimate at each period's end, updated or not. `rotation_rate`:
-  /// k Om that acted in the block, as far as known [rad/s]. Does not allocate.
+  /// k Om that acted in the block, as far as it is known [rad/s]. Does not allocate.
   std::optional<ExtendedEstimate> process(const OrbitalElements& elements,
                                           const ControlGains& gains, double rotation_rate = 0.0);
 
@@ -93,7 +95,7 @@ class ExtendedIdentifier {
   BlockChain chain_;
 
   bool scaled_ = false;
-  double cubic_at_start_ = 0.0;  // what the filter's cubic term started from [1/V^2]
+  double cubic_at_start_ = 0.0;  // cubic term at which this pass is linearised [1/V^2]
   bool settled_ = false;         // will not start again
   int passes_ = 0;
   int periods_of_pass_ = 0;

@@ -5,12 +5,12 @@
 
 namespace cvg {
 
-/// Physical coordinates to start from; the envelope is zero.
+/// State to start from, physical coordinates; the envelope is zero.
 ExtendedVector startValue(const ExtendedState& state, const ExtendedParameters& parameters,
                           const FirstLook& look);
 
-/// Standard deviations of the parameters before any data, physical coordinates, about `value`; of
-/// the envelope zero.
+/// Standard deviations of the parameters about `value` before any data, physical coordinates; those
+/// of the envelope are zero.
 ExtendedVector priorSigma(const ExtendedState& state, const ExtendedParameters& parameters,
                           const ExtendedVector& value);
 

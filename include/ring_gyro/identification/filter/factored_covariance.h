@@ -9,8 +9,8 @@
 
 namespace cvg {
 
-/// Covariance U D U' of the device parameters, U unit upper triangular, D diagonal: a square-root
-/// form, which no measurement can make negative, and which needs no scaling of the states.
+/// Covariance P = U D U' of the device parameters, with U unit upper triangular and D diagonal.
+/// In this form no measurement can make a variance negative, and the states need no scaling.
 class FactoredCovariance {
  public:
   static constexpr int kSize = 5;
@@ -18,7 +18,7 @@ class FactoredCovariance {
 
   FactoredCovariance() = default;
 
-  /// Parameters that are correlated with nothing.
+  /// Parameters without correlations.
   explicit FactoredCovariance(const ParameterVector& variance) {
     for (int j = 0; j < kSize; ++j) diagonal_[j] = variance[j];
     for (int j = 1; j < kSize; ++j) {
@@ -27,16 +27,17 @@ class FactoredCovariance {
     }
   }
 
-  /// What two measurements brought about.
+  /// Result of two measurements.
   struct Outcome {
-    Matrix2 innovation_covariance;  ///< noise and all
+    Matrix2 innovation_covariance;  ///< with the noise
     double normalised_innovation_squared;
-    Vector5 gained;  ///< by the parameters
+    Vector5 gained;  ///< change of the parameters
   };
 
-  /// Measures rows * parameters with these innovations and positive definite covariance `noise`,
-  /// after Bierman (docs/filter.md, section 5): the first row, then the second less what its noise
-  /// shares with that of the first. `next`: the covariance after both, another object.
+  /// Measures rows * parameters with these innovations and the positive definite covariance
+  /// `noise`, after Bierman (docs/filter.md, section 5): the first row, then the second minus the
+  /// multiple of the first that makes their noise independent. `next` receives the covariance after
+  /// both; it must be another object.
   Outcome measure(const Matrix2x5& rows, const Matrix2& noise, const Vector2& innovation,
                   FactoredCovariance& next) const {
     FactoredCovariance between;
@@ -45,7 +46,7 @@ class FactoredCovariance {
     const MeasuredRow first = measureRow(rows.first, noise.first[0], between);
     const MeasuredRow second =
         between.measureRow(second_row, noise.second[1] - shared * noise.second[0], next);
-    // After the first measurement the second innovation is less by m times the first.
+    // The first measurement and the subtraction reduce the second innovation by m times the first.
     const double m = shared + dot(second_row, first.k) / first.alpha;
     const double nu1 = innovation[0];
     const double nu2 = innovation[1] - m * nu1;
@@ -57,9 +58,11 @@ class FactoredCovariance {
             share1 * first.k + share2 * second.k};
   }
 
-  /// Adds weight * direction direction' (Agee and Turner). Two quantities that depend on the
-  /// parameters by `regression` do not move with them: it is made anew. Gives their common factor f
-  /// and the weight of the covariance weight f f' that they gain beside it.
+  /// Adds weight * direction direction' to P (Agee and Turner; docs/filter.md, section 5). Two
+  /// quantities depend on the parameters by `regression`, but do not share this new uncertainty:
+  /// `regression` is computed again so that their covariance, and that with the parameters, stays.
+  /// For this the caller must add weight f f' to their covariance given the parameters, with the
+  /// weight and the factor f that are returned.
   struct Gained {
     double weight;
     Vector2 factor;
@@ -106,14 +109,14 @@ class FactoredCovariance {
     return Vector2{of(regression.first), of(regression.second)};
   }
 
-  /// Of the parameters: the diagonal of the covariance.
+  /// Variances of the parameters: the diagonal of P.
   Vector5 variance() const {
     Vector5 result(FourLanes{diagonal_[0], 0.0, 0.0, 0.0}, diagonal_[4]);
     unrolled<1, kSize>([&](auto j) { result.mismatch += column(j) * (diagonal_[j] * column(j)); });
     return result;
   }
 
-  /// The covariance itself.
+  /// The full covariance P.
   Matrix matrix() const {
     Matrix upper = Matrix::Identity();
     for (int j = 1; j < kSize; ++j) {
@@ -129,7 +132,7 @@ class FactoredCovariance {
     return result;
   }
 
-  /// Of the numbers in it: not finite unless all of them are.
+  /// Sum of all numbers in it: finite only if all of them are finite.
   double sum() const {
     double sum = sumOf((column(1) + column(2)) + (column(3) + column(4)));
     unrolled<0, kSize>([&](auto j) { sum += diagonal_[j]; });
@@ -139,7 +142,7 @@ class FactoredCovariance {
  private:
   using Numbers = double[kSize];
 
-  /// What measuring one row shows, P being the covariance before.
+  /// Result of measuring one row; P is the covariance before.
   struct MeasuredRow {
     double alpha;  ///< variance of the innovation: row' P row + noise
     Vector5 k;     ///< P row
@@ -162,7 +165,8 @@ class FactoredCovariance {
     return {alpha[kSize], Vector5(k, dv[4])};
   }
 
-  /// The first four rows of column j of U, its ones and zeros with them; the first column is known.
+  /// The first four rows of column j of U, with its ones and zeros, for j = 1 to 4. Column 0 is
+  /// known and not stored.
   FourLanes& column(int j) { return columns_[j - 1]; }
   const FourLanes& column(int j) const { return columns_[j - 1]; }
 
@@ -174,7 +178,7 @@ class FactoredCovariance {
   void timesUpper(const Vector5& row, Numbers& result) const {
     const FourLanes& mismatch = row.mismatch;
     const Numbers numbers = {mismatch[0], mismatch[1], mismatch[2], mismatch[3], row.drive_gain};
-    // A constant of its own type is no index of a vector; its value is.
+    // `i` is a constant of its own type, which cannot index a vector; i.value can.
     unrolled<0, kSize>([&](auto j) {
       double even = numbers[j];
       double odd = 0.0;
@@ -183,8 +187,8 @@ class FactoredCovariance {
     });
   }
 
-  /// sums[j]: `start` and the first j products; by pairs, so that a sum is ready after half as many
-  /// steps.
+  /// sums[j]: `start` plus the first j products. They are added in pairs, so that the last sum
+  /// waits for half as many additions.
   static void runningSums(double start, const Numbers& one, const Numbers& other,
                           double (&sums)[kSize + 1]) {
     sums[0] = start;

@@ -6,20 +6,20 @@
 
 namespace cvg {
 
-/// What the first blocks tell before any estimate.
+/// What the first blocks show before there is an estimate.
 struct FirstLook {
   double amplitude = 0.0;   ///< mean of a [V]
-  double drive_gain = 0.0;  ///< ks by the balance of drive and damping [1/s^2]
-  double frequency = 0.0;   ///< f0 by the rate of phi, but for mu [Hz]
+  double drive_gain = 0.0;  ///< ks from the balance of drive and damping [1/s^2]
+  double frequency = 0.0;   ///< f0 from the rate of phi; mu is neglected [Hz]
 };
 
-/// Gathers blocks for a first look; all must be usable and follow one another.
+/// Gathers blocks for a first look; all must be usable, without a gap between them.
 class FirstLookSum {
  public:
   /// `drive`: envelope that acted [V]; `reference_frequency`: w [rad/s].
   void add(const Orbit& orbit, const Eigen::Vector2cd& drive, double reference_frequency);
-  /// Over the blocks so far, at least one, of `duration` [s], for a ring with this decay rate
-  /// [1/s]; a ks that is not above zero and finite when the drive does not sustain the orbit.
+  /// From the blocks so far, at least one, of `duration` [s] each, for a ring with this decay rate
+  /// [1/s]. If the drive does not sustain the orbit, ks is zero, negative or not finite.
   FirstLook look(double duration, double decay_rate) const;
 
  private:

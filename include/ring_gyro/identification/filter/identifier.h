@@ -17,13 +17,13 @@
 
 namespace cvg {
 
-/// Noise of the filter: derived from the figures of the parameters, or the Q and R of the paper.
+/// Noise of the filter: derived from the parameters below, or the Q and R of the paper.
 enum class Tuning : std::uint8_t { kDerived, kPaper };
 
 struct IdentificationParameters {
   double update_period = 0.1;  ///< whole blocks [s]
-  /// derived: from the figures below; paper: the Q and R printed in section 6 of the paper, for
-  /// each period, instead of the noise and random walks below.
+  /// derived: from the noise and random walks below; paper: instead of these, the Q and R printed
+  /// in section 6 of the paper, for each period.
   Tuning tuning = Tuning::kDerived;
   double noise_density = 5e-6;       ///< of the displacement samples, one-sided [V/sqrt(Hz)]
   double axis_process_noise = 2e-6;  ///< of a' and b' [V/sqrt(s)]
@@ -33,8 +33,8 @@ struct IdentificationParameters {
   double gamma_walk = 0.0;                ///< random walk [1/sqrt(s)]
   double mu_walk = 0.0;                   ///< random walk [1/sqrt(s)]
   double drive_gain_walk = 0.0;           ///< random walk, relative [1/sqrt(s)]
-  double memory_time = 0.0;               ///< after which data count for 1/e, 0: for ever [s]
-  double converged_gamma_sigma = 1e-4;    ///< rule of `converged`
+  double memory_time = 0.0;               ///< age at which data count for 1/e; 0: never forget [s]
+  double converged_gamma_sigma = 1e-4;    ///< `converged` needs all sigmas below these three
   double converged_mu_sigma = 1e-8;
   double converged_drive_gain_sigma = 5e-4;   ///< relative
   double converged_angle = 3.14159265358979;  ///< span of theta that must have been seen [rad]
@@ -47,31 +47,31 @@ struct IdentificationParameters {
 
 /// The extended Kalman filter (1)-(5),(29)-(33) on the averaged model, fed block by block.
 ///
-/// Both kinds of input belong to the same block (see PairMerge); what acted when, and which blocks
-/// can be used, is BlockChain's. Each period's mean of a and b is one measurement of everything in
-/// that period (IntervalFilter). Periods end where (sequence + 1) is a multiple of the period,
-/// whenever the identifier was started.
+/// The elements and gains given together belong to the same block (see PairMerge). BlockChain
+/// decides which inputs acted when, and which blocks can be used. The mean of a and b over a period
+/// is one measurement (IntervalFilter). Periods end where (sequence + 1) is a multiple of the
+/// period, whenever the identifier was started.
 ///
-/// A block that cannot be used, or a missing one, breaks the chain: its period gives no update, a
-/// and b start afresh from the next complete period, the parameters stay.
-/// The first complete period only sets the scale of ks, by the balance of drive and damping.
-/// While the parameters are so uncertain that the orbit predicted over a period would leave the
-/// range in which the model is linear (the first second or so), each block is an update of its own,
-/// and stays one if its period breaks later.
+/// A block that is missing or cannot be used breaks the chain: its period gives no update, a and b
+/// start again from the next complete period, the parameters stay.
+/// The first complete period only sets the scale of ks, from the balance of drive and damping.
+/// At first (for about a second) the parameters are so uncertain that the model is not linear over
+/// a whole period. Each block is then an update of its own, which stays even if its period is
+/// broken later.
 class Identifier {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
   Identifier(const DeviceKnowledge& device, const IdentificationParameters& parameters,
              const ConverterParameters& converter);
 
-  /// The next block; gives an estimate at each period's end, updated or not, and null otherwise.
-  /// It is good until the next call. Elements and gains must carry the same session and sequence,
-  /// otherwise the block is rejected. A new session, or a sequence that does not grow, starts
-  /// afresh. Does not allocate.
+  /// The next block; returns an estimate at each period's end, updated or not, and null otherwise.
+  /// It is valid until the next call. Elements and gains must have the same session and sequence,
+  /// otherwise the block is rejected. After a new session or a sequence that does not grow,
+  /// everything starts again. Does not allocate.
   const ParameterEstimate* process(const OrbitalElements& elements, const ControlGains& gains);
 
-  /// Of the last estimate, units of (29). Diagonal, the initial one, until the scale of ks has been
-  /// found.
+  /// Covariance of the last estimate, units of (29). Until the scale of ks has been found, it is
+  /// the initial one, which is diagonal.
   StateMatrix covariance() const;
 
   /// Whether the last block can be used, and if not, why.

@@ -13,15 +13,16 @@
 
 namespace cvg {
 
-/// Where to begin to read: the paper's filter, section 5 on the model of section 4, with full
-/// matrices and nothing clever. IntervalFilter gives the same numbers many times as fast; this is
-/// what its tests hold it against (in long double too), and its peer in the benchmark.
+/// Start reading here: the filter of the paper's section 5 on the model of its section 4, written
+/// with full matrices as the equations are. IntervalFilter gives the same numbers in less time; its
+/// tests and its benchmark compare it with this filter (in long double too). Read next:
+/// axes_equation.h (the step), interval_filter.h, factored_covariance.h, with docs/filter.md.
 ///
-/// The signs are those of docs/derivation.md where the paper has misprints, and so is what the
-/// paper leaves out: w0^2 / (2 w) for w0 / 2 with mu, the terms of second order in the pattern's
-/// rate (e below), a drive at any phase (section 5) in place of beta and alpha at -pi/2, and the
-/// noise of the measured angles. Euler's step of (1) is a midpoint step: at 1 kHz its error is far
-/// below a sigma.
+/// Differences from the paper (docs/derivation.md): the signs where the paper has misprints;
+/// w0^2 / (2 w) instead of w0 / 2 as the factor of mu; the second-order terms in the pattern's rate
+/// (e below, section 8); a drive at any phase (section 5) instead of beta and alpha at
+/// phi = -pi/2. The noise of the measured angles is added (docs/filter.md, section 1). A midpoint
+/// step replaces Euler's step of (1); its error at 1 kHz is far below a sigma.
 template <typename Real>
 class PaperFilter {
  public:
@@ -39,7 +40,7 @@ class PaperFilter {
     Matrix7 noise;
   };
 
-  /// f0 and Q of `device` are taken as known; `sigma`: standard deviations of `value`.
+  /// f0 and Q of `device` are taken as exact; `sigma`: standard deviations of `value`.
   PaperFilter(const DeviceKnowledge& device, const IntervalNoise& noise, const StateVector& value,
               const StateVector& sigma)
       : w0_(Real(kTwoPi) * Real(device.natural_frequency)),
@@ -48,7 +49,7 @@ class PaperFilter {
         x_(value.cast<Real>()),
         p_(Matrix7(sigma.cast<Real>().cwiseAbs2().asDiagonal())) {}
 
-  /// (1): one step of `dt` [s] from `x`, with theta, phi and the inputs in its middle.
+  /// (1): one step of `dt` [s] from `x`; theta, phi and the inputs are those of its middle.
   Step step(const State& x, double theta, double phi, const AveragedInput& u, double dt) const {
     const Angle at(*this, theta, phi, u);
     const Real h = dt;
@@ -68,7 +69,7 @@ class PaperFilter {
     result.jacobian.template topRightCorner<2, 5>() =
         h * (byParameters(middle, at) + h / 2 * m * byParameters(axes, at));
 
-    // What the averaged model does not know, and the noise of the angles through their slopes.
+    // Noise for what the model leaves out, and noise of the angles through the slopes of the rate.
     const Matrix2 slopes = byAngles(x, at);
     result.noise.setZero();
     result.noise.template topLeftCorner<2, 2>() =
@@ -91,7 +92,7 @@ class PaperFilter {
     const Matrix2 r = Real(noise_.sample_variance) * Matrix2::Identity();
     const Eigen::Matrix<Real, 7, 2> k = p_ * h.transpose() * (h * p_ * h.transpose() + r).inverse();
     x_ += k * (z.cast<Real>() - h * x_);
-    // (I - K H) P as Joseph wrote it: the same number, which rounding cannot make negative.
+    // (I - K H) P in Joseph's form: the same, but rounding cannot make a variance negative.
     const Matrix7 rest = Matrix7::Identity() - k * h;
     p_ = (rest * p_ * rest.transpose() + k * r * k.transpose()).eval();
   }
@@ -101,7 +102,7 @@ class PaperFilter {
   Real sigma(int state) const { return std::sqrt(p_(state, state)); }
 
  private:
-  /// All that depends on theta, phi and the inputs only.
+  /// Everything that depends only on theta, phi and the inputs.
   struct Angle {
     Angle(const PaperFilter& filter, double theta, double phi, const AveragedInput& u) {
       const Real w = u.reference_frequency;
@@ -109,7 +110,7 @@ class PaperFilter {
       e = Real(u.pattern_rate) / (2 * w);
       c = std::cos(2 * Real(theta));
       s = std::sin(2 * Real(theta));
-      // [F1; F2] = R(-theta) F in pattern axes, E = e^{-i phi}; per ks of section 5.
+      // Of docs/derivation.md: [F1; F2] = R(-theta) F in pattern axes, E = e^{-i phi}.
       using Complex = std::complex<Real>;
       const Complex fx(u.drive.x().real(), u.drive.x().imag());
       const Complex fy(u.drive.y().real(), u.drive.y().imag());
@@ -121,8 +122,8 @@ class PaperFilter {
       force_by_theta << f2.imag(), -f1.real();  // F1' = F2, F2' = -F1
       force_by_phi << -f1.real(), f2.imag();    // E' = -i E
     }
-    Real k2;    ///< w0^2 / (2 w), which the paper has as w0 / 2
-    Real e;     ///< theta' / (2 w), second order
+    Real k2;    ///< w0^2 / (2 w); w0 / 2 in the paper
+    Real e;     ///< theta' / (2 w), of the second-order terms
     Real c, s;  ///< of 2 theta
     Vector2 force, force_by_theta, force_by_phi;
   };
@@ -130,8 +131,8 @@ class PaperFilter {
   /// (16)(17) without the drive, a' and b' as a matrix times (a, b):
   ///   a' = -a xi0 w0 (1 + gamma1 c + gamma2 s) - b K2 (mu1 s - mu2 c)
   ///   b' = -b xi0 w0 (1 - gamma1 c - gamma2 s) + a K2 (mu1 s - mu2 c),
-  /// and with e, (a + e b) for a and (b + e a) for b in the first terms, (b - e a) for b and
-  /// (a - e b) for a in the last (docs/derivation.md, section 8).
+  /// with (a + e b) for a and (b + e a) for b in the terms with gamma, and (b - e a) for b and
+  /// (a - e b) for a in the terms with mu (docs/derivation.md, section 8).
   Matrix2 axesMatrix(const State& x, const Angle& at) const {
     const Real gamma = x[2] * at.c + x[3] * at.s;
     const Real mu = at.k2 * (x[4] * at.s - x[5] * at.c);
@@ -153,7 +154,7 @@ class PaperFilter {
     return columns;
   }
 
-  /// a' and b' with respect to theta and phi, which the paper takes as exact.
+  /// a' and b' with respect to theta and phi; the paper takes these angles as exact.
   Matrix2 byAngles(const State& x, const Angle& at) const {
     const Real a = x[0], b = x[1], e = at.e, ks = x[6];
     const Real gamma = 2 * d_ * (x[3] * at.c - x[2] * at.s);

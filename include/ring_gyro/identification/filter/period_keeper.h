@@ -7,17 +7,18 @@
 
 namespace cvg {
 
-/// Divides the blocks of a session into periods, which end where (sequence + 1) is a multiple of
-/// the period whenever the identifier was started, and keeps account of them: a period is used
-/// whole or not at all.
+/// Divides the blocks of a session into periods and counts what becomes of them. A period ends
+/// where (sequence + 1) is a multiple of the period, whenever the identifier was started. It is
+/// used whole or not at all.
 class PeriodKeeper {
  public:
   /// How a block follows the one before.
   enum class Follows : std::uint8_t {
     kDirectly,
-    /// Blocks are missing between: its period cannot be complete, unless it is the first of it.
+    /// Blocks are missing between the two: the block's period is not complete, unless the block is
+    /// the first of its period.
     kAfterGap,
-    /// It is the first block, or of a new session, or not later: everything starts afresh.
+    /// It is the first block, or of a new session, or not later: everything starts again.
     kNothing,
   };
 
@@ -40,7 +41,7 @@ class PeriodKeeper {
     ++blocks_in_period_;
     return how;
   }
-  std::uint64_t blockOfPeriod() const { return block_of_period_; }  ///< the last block's, from 0
+  std::uint64_t blockOfPeriod() const { return block_of_period_; }  ///< of the last block, from 0
   bool atFirstBlock() const { return block_of_period_ == 0; }       ///< of a period
   bool atLastBlock() const { return block_of_period_ + 1 == period_blocks_; }  ///< of a period
 
@@ -59,13 +60,14 @@ class PeriodKeeper {
 
   const BlockStamp& last() const { return last_; }
   std::int64_t periodBlocks() const { return static_cast<std::int64_t>(period_blocks_); }
-  // Since the start of the session; used, rejected and lost are all blocks from first to last.
+  // Counts since the start of the session; used, rejected and lost blocks together are all blocks
+  // from the first to the last.
   std::uint64_t firstSequence() const { return first_sequence_; }
   std::uint64_t used() const { return used_; }
   std::uint64_t rejected() const { return rejected_; }
   std::uint64_t lost() const { return lost_; }
   double angleCovered() const { return highest_ - lowest_; }  ///< span of theta used [rad]
-  /// How often everything started afresh, the first time left out.
+  /// How often everything started again, the first start not counted.
   std::uint64_t restarts() const { return restarts_; }
 
  private:

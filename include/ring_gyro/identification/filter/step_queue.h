@@ -9,9 +9,9 @@
 
 namespace cvg {
 
-/// Steps with the (a, b) measured at their ends, which wait until several can be taken side by
-/// side. Four times as many as there are lanes: the code that takes them has left the instruction
-/// cache by then, and so is fetched once for all of them.
+/// Steps with the (a, b) measured at their ends. They wait until several can be taken side by side.
+/// The queue holds four times as many as there are lanes: the code that takes them runs so seldom
+/// that it has left the instruction cache, and this way it is fetched once for all of them.
 class StepQueue {
  public:
   static constexpr std::size_t kMost = 4 * kLanes;
@@ -24,11 +24,11 @@ class StepQueue {
   };
 
   StepQueue() {
-    // Lanes without a step are worked on too; a frequency of zero there would be divided by.
+    // Lanes without a step are computed too, and would divide by a frequency of zero.
     for (Group& group : groups_) group.step.reference_frequency += 1.0;
   }
 
-  /// There must be room: size() < kMost.
+  /// size() must be below kMost.
   void push(const AveragedStep<double>& step, const Eigen::Vector2d& measured) {
     Group& group = groups_[size_ / kLanes];
     const std::size_t k = size_ % kLanes;

@@ -7,7 +7,7 @@
 
 namespace cvg {
 
-/// Mismatch of a device and its gain: the parameters that are identified, in the order of (29).
+/// Mismatch and drive gain of a device: the parameters that are identified, in the order of (29).
 struct DeviceParameters {
   double gamma1 = 0.0;
   double gamma2 = 0.0;
@@ -20,7 +20,7 @@ struct DeviceParameters {
 struct AveragedInput {
   Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();  ///< total envelope [V]
   double reference_frequency = 0.0;                   ///< w [rad/s]
-  double pattern_rate = 0.0;   ///< theta' as measured, for the terms of second order [rad/s]
+  double pattern_rate = 0.0;   ///< measured theta', for the terms of second order [rad/s]
   double rotation_rate = 0.0;  ///< k Om [rad/s]
 };
 
@@ -48,29 +48,28 @@ struct AxesStep {
   Eigen::Matrix<double, 2, 5> by_parameters;  ///< with respect to gamma1, gamma2, mu1, mu2, ks
 };
 
-/// Envelope [V] that a drive of `after` instead of `before` adds to the drive while it lasts for
-/// `duration` [s] from the step on: what the step itself does to the slow envelope, spread evenly.
-///
-/// A drive that is held for a block and then steps has images around 2 w, which push on the other
-/// way of turning; the step by F moves the slow envelope by ks / (4 w^2) (F - F* e^{-2 i psi}),
-/// psi: phase of the NCO at the step. Matters where the block is a whole number of half cycles.
+/// A drive that is held for a block and then steps by S makes the slow envelope jump by
+/// ks / (4 w^2) (S - S* e^{-2 i psi}), psi: phase of the NCO at the step (docs/derivation.md,
+/// section 8). This is the constant drive [V] that moves the envelope by the same amount in the
+/// `duration` [s] after the step from `before` to `after`; add it to the drive. The effect matters
+/// where the block is a whole number of half cycles, because then the images add up.
 Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before, const Eigen::Vector2cd& after,
                            double reference_phase, double reference_frequency, double duration);
 
 /// The slow model (16)-(24): how the orbital elements change when averaged over a cycle.
 ///
-/// Coefficients are those of the exact envelope equation to first order in the slow rates: the
-/// printed w0 is w0^2 / w where it stands with mu, and w0 - w is (w0^2 - w^2) / (2 w). At w = w0
-/// this is the printed model (docs/derivation.md). Of the second order (section 8), a' and b' have
-/// what a pattern that turns at theta' adds, of relative size theta' / w; the rates of the angles
-/// do not. Drives enter by one rule at any phi.
+/// The coefficients are those of the exact envelope equation to first order in the slow rates: the
+/// w0 printed as the factor of mu is w0^2 / w here, and w0 - w is (w0^2 - w^2) / (2 w). At w = w0
+/// this is the printed model (docs/derivation.md). a' and b' also have the second-order terms of a
+/// pattern that turns at theta' (section 8), of relative size theta' / w; the rates of the angles
+/// do not. The rule for drives is the same at any phi.
 class AveragedModel {
  public:
-  /// Of the ideal ring with the f0 and Q of `device`; throws std::invalid_argument unless both are
+  /// f0 and Q of `device` are those of the ideal ring; throws std::invalid_argument unless both are
   /// above zero.
   explicit AveragedModel(const DeviceKnowledge& device);
 
-  /// All four rates. The orbit must not be a circle (a^2 = b^2): theta has no rate there.
+  /// All four rates. The orbit must not be a circle (a^2 = b^2): there theta' is not defined.
   OrbitRates rates(const Orbit& orbit, const DeviceParameters& device,
                    const AveragedInput& input) const;
 
@@ -79,13 +78,13 @@ class AveragedModel {
                       const AveragedInput& input) const;
 
   /// Midpoint step of a and b over `duration` [s]; orbit.theta and orbit.phi are those of the
-  /// middle of the step, input.drive the mean over it. Second order: the error is (rate duration)^3
-  /// / 6 of what changes.
+  /// middle of the step, input.drive is the mean over it. The error is
+  /// (rate duration)^3 / 6, relative to what changes.
   AxesStep axesStep(const Orbit& orbit, const DeviceParameters& device, const AveragedInput& input,
                     double duration) const;
 
-  /// Orbit after `duration` [s] at constant drive relative to the NCO, in `steps` Runge-Kutta
-  /// steps: a fast simulator.
+  /// Orbit after `duration` [s] with a drive that is constant relative to the NCO, in `steps`
+  /// Runge-Kutta steps: a fast simulator.
   Orbit integrate(const Orbit& orbit, const DeviceParameters& device, const AveragedInput& input,
                   double duration, int steps) const;
 

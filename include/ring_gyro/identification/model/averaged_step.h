@@ -10,11 +10,11 @@ namespace cvg {
 /// by side.
 template <typename Real>
 struct AveragedStep {
-  // theta and phi are not neighbours: two numbers that are written one by one must not be read as
-  // one register (small_algebra.h).
+  // theta and phi are not next to each other, so that the compiler does not load them as one
+  // register after they were written one by one (small_algebra.h).
   Real theta = {};                ///< measured, in the middle of the step [rad]
   Real pattern_rate = {};         ///< theta' [rad/s]
-  Real phi = {};                  ///< as theta [rad]
+  Real phi = {};                  ///< measured, in the middle of the step [rad]
   Real reference_frequency = {};  ///< w [rad/s]
   Phasor<Real> x, y;              ///< mean envelope F of the drive [V]
   // A drive that changes by S within the step adds i (S - S* e^{-2 i psi}) / (2 w duration) to its
@@ -23,7 +23,7 @@ struct AveragedStep {
   Real image_angle = {};            ///< -2 psi [rad]
 };
 
-/// A step whose drive is constant, or has had its driveStep() added.
+/// A step whose drive is constant, or already has its driveStep() added.
 inline AveragedStep<double> averagedStep(double theta, double phi, const AveragedInput& input) {
   AveragedStep<double> step;
   step.theta = theta;

@@ -9,8 +9,8 @@
 
 namespace cvg {
 
-/// e^{i theta}, e^{i phi} and e^{-2 i psi} of a step: of one step side by side, of several steps
-/// one angle after the other.
+/// e^{i theta}, e^{i phi} and e^{-2 i psi} of a step. For one step the three are computed side by
+/// side; for several steps they are computed one after the other, each for all steps.
 template <typename Real>
 struct StepPhasors;
 
@@ -32,7 +32,7 @@ struct StepPhasors<Lanes> {
   explicit StepPhasors(const AveragedStep<Lanes>& step) {
     const Lanes angle[3] = {step.theta, step.phi, step.image_angle};
     Lanes sine[3], cosine[3];
-// Not unrolled: this code is run too seldom to stay in the instruction cache, so short is fast.
+// Not unrolled: this code runs too seldom to stay in the instruction cache; short code is faster.
 #pragma GCC unroll 1
     for (int i = 0; i < 3; ++i) sineCosine(angle[i], sine[i], cosine[i]);
     theta = {cosine[0], sine[0]};
@@ -55,9 +55,10 @@ struct AxesTransition {
   Real a_force, b_force;
 };
 
-/// What equations (16)(17) are made of at given angles and inputs, with the letters of
-/// docs/derivation.md: its (C) and (D) with the terms in e of its section 8. They are linear in
-/// (a, b), in the parameters and in the drive. `Real`: double, or Lanes for several steps.
+/// The coefficients of equations (16)(17) at given angles and inputs, with the letters of
+/// docs/derivation.md: its (C) and (D) with the terms in e of its section 8. The equations are
+/// linear in (a, b), in the parameters and in the drive. AxesEquation makes the rates and their
+/// derivatives of them. `Real`: double, or Lanes for several steps.
 template <typename Real>
 struct AxesDynamics {
   double d;  ///< xi0 w0 [1/s]
@@ -71,7 +72,7 @@ struct AxesDynamics {
   /// `decay_rate`: xi0 w0 [1/s], `w0`: of the ideal ring [rad/s].
   AxesDynamics(double decay_rate, double w0, const AveragedStep<Real>& step) : d(decay_rate) {
     const StepPhasors<Real> unit(step);
-    // The drive, and what its change within the step adds: i (S - S* e^{-2 i psi}).
+    // The drive, plus i (S - S* e^{-2 i psi}) for its change within the step.
     const Phasor<Real> fx = step.x + timesI(step.x_change - conjugate(step.x_change) * unit.image);
     const Phasor<Real> fy = step.y + timesI(step.y_change - conjugate(step.y_change) * unit.image);
 
@@ -86,7 +87,7 @@ struct AxesDynamics {
     f2 = lag * (unit.theta.re * fy - unit.theta.im * fx);
   }
 
-  /// One step in the place of several: what `mean` makes of the lanes of each number.
+  /// One step in place of several: each number is `mean` of its lanes.
   template <typename Mean>
   AxesDynamics(const AxesDynamics<Lanes>& steps, const Mean& mean)
       : d(steps.d),
@@ -111,7 +112,7 @@ struct AxesDynamics {
             -k2_ms - e * db, e * k2_ms - db};
   }
 
-  /// Of a midpoint step over `h` [s]: change = h M (1 + h M / 2), force = h ks (1 + h M / 2) f with
+  /// A midpoint step over `h` [s]: change = h M (1 + h M / 2), force = h ks (1 + h M / 2) f with
   /// f = (Im f1, Re f2).
   AxesTransition<Real> transition(const DeviceParameters& device, double h) const {
     const AxesMatrix<Real> m = matrix(device);

@@ -4,9 +4,9 @@
 
 namespace cvg {
 
-/// Known inputs of the envelope's rate over one step.
+/// Known inputs of the envelope model over one step.
 struct EnvelopeInput {
-  Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();  ///< commanded envelope, with its step [V]
+  Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();  ///< commanded envelope, with driveStep() [V]
   double reference_frequency = 0.0;                   ///< w [rad/s]
   double theta = 0.0;                                 ///< measured, in the middle of the step [rad]
   double rotation_rate = 0.0;                         ///< k Om, as far as it is known [rad/s]

@@ -9,14 +9,14 @@ namespace cvg {
 
 using EnvelopeSensitivity = Eigen::Matrix<double, 4, Eigen::Dynamic, 0, 4, kMostExtendedStates>;
 
-/// Where the model is linearised: an envelope and parameters (linear coordinates).
+/// The point at which the model is linearised: envelope and parameters (linear coordinates).
 struct EnvelopePoint {
   const Eigen::Vector4d& envelope;
   const ExtendedVector& linear;
 };
 
-/// One step of the envelope and its derivatives, with respect to the envelope before and to the
-/// linear parameters (states from 4 on).
+/// One step of the envelope, with its derivatives with respect to the envelope before the step and
+/// to the linear parameters (states from 4 on).
 struct EnvelopeStep {
   Eigen::Vector4d after;
   Eigen::Matrix4d transition;
@@ -29,32 +29,34 @@ struct EnvelopeStep {
 ///     L = i D + i K2 M - d G + (k Om + r(theta)) J + k Om (s1 S1 + s2 S2 + ...)
 ///     E = (d G - k Om J + i D + i K2 M) / (2 i w),   P = ks e^{-ip} (I + drive matrix)
 ///
-/// with the terms of ExtendedState; E is the second order of docs/derivation.md, section 8. What is
-/// measured is U + (3/4) c |U|^2 U on each axis.
+/// with the terms of ExtendedState; E has the second-order terms of docs/derivation.md, section 8.
+/// The measured envelope is U + (3/4) c |U|^2 U on each axis.
 class EnvelopeModel {
  public:
   explicit EnvelopeModel(const ExtendedState& state) : state_(state) {}
 
-  /// Over `duration` [s] from `envelope`, by the model as linearised at `nominal`. At the point
-  /// itself exact to fourth order in rate times duration, the derivatives to second.
+  /// One step over `duration` [s] from `envelope`, with the model linearised at `nominal`. If the
+  /// envelope and the parameters are those of `nominal`, the step is exact to fourth order in rate
+  /// times duration, and its derivatives to second.
   void step(const Eigen::Vector4d& envelope, const ExtendedVector& linear,
             const EnvelopePoint& nominal, const EnvelopeInput& input, double duration,
             EnvelopeStep& step) const;
 
-  /// Rate of the envelope with respect to the linear parameters, first order [V/s per unit].
+  /// Derivative of the envelope's rate with respect to the linear parameters, first order [V/s per
+  /// unit].
   EnvelopeSensitivity rateByParameters(const Eigen::Vector4d& envelope,
                                        const ExtendedVector& linear,
                                        const EnvelopeInput& input) const;
 
-  /// What the pick-offs show of an envelope [V], its derivative with respect to the envelope, and
-  /// with respect to the cubic term (zero when that is not estimated).
+  /// The envelope that the pick-offs show [V], and its derivatives with respect to the true
+  /// envelope and to the cubic term (zero when that is not estimated).
   struct Measurement {
     Eigen::Vector4d value;
     Eigen::Matrix4d by_envelope;
     Eigen::Vector4d by_cubic;
   };
   Measurement measure(const Eigen::Vector4d& envelope, const ExtendedVector& linear) const;
-  /// The envelope that pick-offs with the cubic term of `linear` show as `measured`.
+  /// The true envelope that pick-offs with the cubic term of `linear` show as `measured`.
   Eigen::Vector4d undistorted(const Eigen::Vector4d& measured, const ExtendedVector& linear) const;
 
   const ExtendedState& state() const { return state_; }

@@ -8,20 +8,21 @@
 
 namespace cvg {
 
-/// What the extended identifier estimates beside gamma, mu and ks, and from which knowledge it
-/// starts. Each group is switched on its own; what each needs to be seen: docs/observability.md.
+/// What the extended identifier estimates besides gamma, mu and ks, and the knowledge with which it
+/// starts. Each group is switched on separately; docs/observability.md shows which experiment each
+/// of them needs.
 struct ExtendedParameters {
   double update_period = 0.1;  ///< whole blocks [s]
 
-  bool quality = true;                 ///< decay rate xi0 w0
-  bool frequency = true;               ///< f0
-  bool drive_matrix = false;           ///< phase, gain and phase mismatch of drive times sense path
-  bool drive_rotation = false;         ///< drive turned against the sense axes
-  bool drift_bias = false;             ///< drift and quadrature that are the same at every angle
-  bool sense_matrix = false;           ///< mismatch of the sense path; needs a known rotation
-  bool rotation_scale = false;         ///< scale of the known rotation: k beyond what it is told as
-  bool pickoff_cubic = false;          ///< x reads x (1 + c x^2)
-  bool estimate_rotation = false;      ///< rotation of the case, instead of taking it as known
+  bool quality = true;          ///< decay rate xi0 w0
+  bool frequency = true;        ///< f0
+  bool drive_matrix = false;    ///< phase, gain and phase mismatch of drive and sense path together
+  bool drive_rotation = false;  ///< rotation of the drive axes against the sense axes
+  bool drift_bias = false;      ///< drift and quadrature that are the same at every angle
+  bool sense_matrix = false;    ///< mismatch of the sense path; needs a known rotation
+  bool rotation_scale = false;  ///< scale error of the known rotation, that is of k
+  bool pickoff_cubic = false;   ///< the pick-off shows x (1 + c x^2) for x
+  bool estimate_rotation = false;      ///< the rate of the case, instead of taking it as known
   std::vector<double> even_harmonics;  ///< orders of the drift in the pattern angle
   std::vector<double> odd_harmonics;   ///< orders of the angle scale; needs a known rotation
 
@@ -32,7 +33,7 @@ struct ExtendedParameters {
   double initial_gamma2 = 0.0;
   double initial_mu1 = 0.0;
   double initial_mu2 = 0.0;
-  double initial_drive_gain = 0.0;  ///< ks; 0: from the balance of the first period [1/s^2]
+  double initial_drive_gain = 0.0;  ///< ks; 0: from drive and damping of the first period [1/s^2]
   double initial_cubic = 0.0;       ///< of the pick-off [1/V^2]
 
   double initial_gamma_sigma = 0.1;

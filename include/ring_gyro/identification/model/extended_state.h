@@ -12,20 +12,20 @@
 namespace cvg {
 
 constexpr int kMostExtendedStates = 64;
-/// Sized at run time, stored in place: no allocation.
+/// Size chosen at run time, stored inside the object: no allocation.
 using ExtendedVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostExtendedStates, 1>;
 using ExtendedMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostExtendedStates,
                                      kMostExtendedStates>;
 
-/// Which states the chosen groups of ExtendedParameters make, and what they mean.
+/// The states that the chosen groups of ExtendedParameters give, and their meaning.
 ///
-/// A state stands in two coordinates. Physical ones are what a person reads, one for each name.
-/// Linear ones are those in which the rate of the envelope is linear in every parameter:
-/// xi0 w0 gamma instead of gamma, and the entries of ks times the drive matrix instead of ks, phase
-/// and mismatch. The filter works in them, so that a poor first guess of ks or Q costs nothing.
+/// A state has two sets of coordinates. Physical coordinates are for people, one for each name. In
+/// linear coordinates the rate of the envelope is linear in every parameter: xi0 w0 gamma replaces
+/// gamma, and the entries of ks times the drive matrix replace ks, phase and mismatch. The filter
+/// uses linear coordinates, so a poor first guess of ks or Q does no harm.
 class ExtendedState {
  public:
-  /// Throws std::invalid_argument naming what cannot be used or told apart.
+  /// Throws std::invalid_argument, naming what cannot be used or cannot be told apart.
   ExtendedState(const DeviceKnowledge& device, const ExtendedParameters& parameters);
 
   /// Envelope first (re_x, im_x, re_y, im_y), then the parameters.
@@ -40,8 +40,8 @@ class ExtendedState {
   /// Derivative of the linear with respect to the physical coordinates.
   ExtendedMatrix linearByPhysical(const ExtendedVector& physical) const;
 
-  /// Where the parameters stand in the vector; -1: not estimated. With `harmonics` the cosine, the
-  /// sine follows.
+  /// First index of each group in the vector; -1: not estimated. Each harmonic has its cosine, then
+  /// its sine.
   struct Layout {
     int gamma = 4;  // gamma1, gamma2
     int mu = 6;     // mu1, mu2
@@ -62,14 +62,14 @@ class ExtendedState {
   const Layout& layout() const { return layout_; }
   const std::vector<int>& evenOrders() const { return even_orders_; }
   const std::vector<int>& oddOrders() const { return odd_orders_; }
-  /// f0 and Q where the estimates of them start, and what they are where they are not estimated.
+  /// f0 and Q: where their estimates start, or their values if they are not estimated.
   const DeviceKnowledge& device() const { return device_; }
   double decayRate(const ExtendedVector& linear) const;                ///< xi0 w0 [1/s]
   double angularFrequency(const ExtendedVector& linear) const;         ///< w0 [rad/s]
   std::complex<double> driveGain(const ExtendedVector& linear) const;  ///< ks e^{-ip} [1/s^2]
 
  private:
-  // Places of the real and the imaginary part of an entry of the drive matrix.
+  // Indices of the real and the imaginary part of an entry of the drive matrix.
   struct Entry {
     int real;
     int imaginary;
