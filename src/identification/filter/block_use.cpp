@@ -62,7 +62,7 @@ BlockUse useOf(const OrbitalElements& elements, const ControlGains& gains, doubl
 BlockUse useOf(const OrbitalElements& elements, const ControlGains& gains,
                std::int64_t block_duration_ns) {
   const Orbit& orbit = elements.orbit;
-  const Eigen::Vector2cd drive = gains.drive.total();
+  const Envelope drive = gains.drive.total();
   const double magnitudes = std::abs(orbit.a) + std::abs(orbit.b) + std::abs(orbit.theta) +
                             std::abs(orbit.phi) + std::abs(elements.group_delay) +
                             drive.cwiseAbs().sum() + std::abs(gains.reference_frequency) +

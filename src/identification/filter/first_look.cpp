@@ -7,8 +7,7 @@
 
 namespace cvg {
 
-void FirstLookSum::add(const Orbit& orbit, const Eigen::Vector2cd& drive,
-                       double reference_frequency) {
+void FirstLookSum::add(const Orbit& orbit, const Envelope& drive, double reference_frequency) {
   const std::complex<double> along =
       std::cos(orbit.theta) * drive.x() + std::sin(orbit.theta) * drive.y();
   amplitude_ += orbit.a;

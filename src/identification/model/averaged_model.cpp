@@ -16,8 +16,8 @@ AxesDynamics<double> dynamicsAt(const AveragedModel& model, const Orbit& orbit,
 
 }  // namespace
 
-Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before, const Eigen::Vector2cd& after,
-                           double reference_phase, double reference_frequency, double duration) {
+Envelope driveStep(const Envelope& before, const Envelope& after, double reference_phase,
+                   double reference_frequency, double duration) {
   // i (S - S* e^{-2 i psi}) / (2 w duration)
   const Phasor<double> image = {std::cos(-2.0 * reference_phase), std::sin(-2.0 * reference_phase)};
   const double spread = 0.5 / (reference_frequency * duration);

@@ -116,14 +116,13 @@ Eigen::Vector4d driveForce(const ExtendedState& state, const ExtendedVector& lin
   if (at.drive_rotation >= 0) {
     turn = {linear[at.drive_rotation], linear[at.drive_rotation + 1]};
   }
-  const Eigen::Vector2cd force =
-      matrixOf(state.driveGain(linear), along, across, turn) * input.drive;
+  const Envelope force = matrixOf(state.driveGain(linear), along, across, turn) * input.drive;
   return realParts(Complex(0.0, -0.5 / input.reference_frequency) * force);
 }
 
 }  // namespace
 
-Eigen::Vector4d realParts(const Eigen::Vector2cd& envelope) {
+Eigen::Vector4d realParts(const Envelope& envelope) {
   return {envelope[0].real(), envelope[0].imag(), envelope[1].real(), envelope[1].imag()};
 }
 

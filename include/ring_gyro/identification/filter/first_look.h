@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "ring_gyro/signals/envelope.h"
 #include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
@@ -17,7 +18,7 @@ struct FirstLook {
 class FirstLookSum {
  public:
   /// `drive`: envelope that acted [V]; `reference_frequency`: w [rad/s].
-  void add(const Orbit& orbit, const Eigen::Vector2cd& drive, double reference_frequency);
+  void add(const Orbit& orbit, const Envelope& drive, double reference_frequency);
   /// From the blocks so far, at least one, of `duration` [s] each, for a ring with this decay rate
   /// [1/s]. If the drive does not sustain the orbit, ks is zero, negative or not finite.
   FirstLook look(double duration, double decay_rate) const;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "ring_gyro/common/device_knowledge.h"
+#include "ring_gyro/signals/envelope.h"
 #include "ring_gyro/signals/orbital_elements.h"
 
 namespace cvg {
@@ -18,10 +19,10 @@ struct DeviceParameters {
 
 /// Known inputs of the averaged model at one moment.
 struct AveragedInput {
-  Eigen::Vector2cd drive = Eigen::Vector2cd::Zero();  ///< total envelope [V]
-  double reference_frequency = 0.0;                   ///< w [rad/s]
-  double pattern_rate = 0.0;   ///< measured theta', for the terms of second order [rad/s]
-  double rotation_rate = 0.0;  ///< k Om [rad/s]
+  Envelope drive = Envelope::Zero();  ///< total envelope [V]
+  double reference_frequency = 0.0;   ///< w [rad/s]
+  double pattern_rate = 0.0;          ///< measured theta', for the terms of second order [rad/s]
+  double rotation_rate = 0.0;         ///< k Om [rad/s]
 };
 
 /// Rates of change of an orbit.
@@ -53,8 +54,8 @@ struct AxesStep {
 /// section 8). This is the constant drive [V] that moves the envelope by the same amount in the
 /// `duration` [s] after the step from `before` to `after`; add it to the drive. The effect matters
 /// where the block is a whole number of half cycles, because then the images add up.
-Eigen::Vector2cd driveStep(const Eigen::Vector2cd& before, const Eigen::Vector2cd& after,
-                           double reference_phase, double reference_frequency, double duration);
+Envelope driveStep(const Envelope& before, const Envelope& after, double reference_phase,
+                   double reference_frequency, double duration);
 
 /// The slow model (16)-(24): how the orbital elements change when averaged over a cycle.
 ///

@@ -4,6 +4,7 @@
 
 #include "ring_gyro/identification/model/envelope_input.h"
 #include "ring_gyro/identification/model/extended_state.h"
+#include "ring_gyro/signals/envelope.h"
 
 namespace cvg {
 
@@ -65,6 +66,6 @@ class EnvelopeModel {
   ExtendedState state_;
 };
 
-Eigen::Vector4d realParts(const Eigen::Vector2cd& envelope);  ///< (re X, im X, re Y, im Y)
+Eigen::Vector4d realParts(const Envelope& envelope);  ///< (re X, im X, re Y, im Y)
 
 }  // namespace cvg
