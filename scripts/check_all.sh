@@ -58,8 +58,8 @@ run() { # name
 }
 
 write_page() {
-  local page=$root/docs/checks.md begin='<!-- table: scripts/check_all.sh -->' end='<!-- end of the table -->'
-  local name table=$work/table.md
+  local page=$root/docs/checks.md table=$work/table.md name
+  local begin='<!-- table: scripts/check_all.sh -->' end='<!-- end of the table -->'
   {
     # shellcheck source=/dev/null
     printf '%s, %d cores, %s.\n\n' "$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | sort -u | paste -sd,)" \
