@@ -1,61 +1,90 @@
 #!/usr/bin/env bash
-# The long checks that scripts/test.sh does not run:  scripts/check_all.sh [build directory]
+# The long checks that scripts/test.sh does not run:  scripts/check_all.sh [--write] [NAME...]
 #
-# Builds, installs and uses the package without ROS and in a catkin workspace. Calibrates the
-# realistic preset with the angular gains of real rings (n = 2: about 0.37) and with the paper's, each
-# told as it is, and asks of each what the calibration of k = 1 reaches. Prints a row each; the last
-# line is "N passed, N failed".
+# NAME is a file of scripts/checks without its .sh; none: all of them. Prints a row for each; the last
+# line is "N passed, N failed". What a check printed is in build/checks/NAME.log. With --write, or
+# without any NAME, the last row of every check goes into docs/checks.md.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-# shellcheck source=scripts/setup.sh
-. "$root/scripts/setup.sh" --run
-build=${1:-$root/build}
-programs=$root/devel/lib/ring_gyro
-if [ $# -gt 0 ]; then
-  programs=$build/devel/lib/ring_gyro
-else
-  RING_GYRO_BUILD_LOG=${RING_GYRO_BUILD_LOG:-$(mktemp)} "$root/scripts/build.sh"
+
+write=no
+if [ $# -eq 0 ]; then
+  write=yes
+elif [ "$1" = --write ]; then
+  write=yes
+  shift
 fi
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+known=() names=("$@")
+for script in "$root"/scripts/checks/*.sh; do
+  known+=("$(basename "$script" .sh)")
+done
+[ ${#names[@]} -gt 0 ] || names=("${known[@]}")
+for name in "${names[@]}"; do
+  [ -x "$root/scripts/checks/$name.sh" ] || {
+    echo "check_all: there is no check $name; there are: ${known[*]}" >&2
+    exit 2
+  }
+done
 
-# One calibration: its row, and status 1 when it is not what it should be.
-calibrated() { # k
-  "$programs/calibrate" --config "$root/config/realistic.yaml" --set "device/angular_gain=$1" \
-    --set "resonator/angular_gain=$1" --output "$work/$1.yaml" --json "$work/$1.json" \
-    >"$work/$1.log" 2>&1 || { tail -n 1 "$work/$1.log"; return 1; }
-  # What one program writes the others read.
-  "$programs/simulate" --config "$root/config/realistic.yaml" --config "$work/$1.yaml" --duration 1 \
-    >/dev/null || return 1
-  /usr/bin/python3 - "$1" "$work/$1.json" <<'PYTHON'
-import json
-import math
-import sys
+# shellcheck source=scripts/setup.sh
+. "$root/scripts/setup.sh" --checks
+work=$root/build/checks
+mkdir -p "$work"
 
-k, found = float(sys.argv[1]), json.load(open(sys.argv[2]))
-drift = max(math.degrees(v["drift_peak_to_peak"]) for v in found["verifications"])
-scale = max(abs(v[way]) for v in found["verifications"] for way in ("forward_scale",
-                                                                    "backward_scale"))
-error = found["angular_gain"] / k - 1.0
-print(f"k {k:4}: {found['duration']:7.0f} s, drift {drift:.4f} deg/s p-p of the case, scale "
-      f"{1e6 * scale:6.1f} ppm, k {1e6 * error:+6.1f} ppm, threshold followed: "
-      f"{found['threshold']['followed']}")
-# As far as the noise of a leg allows at k = 1 (docs/calibration.md), over k for rates of the case.
-sys.exit(not (drift < 0.01 / k and scale < 50e-6 and abs(error) < 50e-6))
-PYTHON
+commit() {
+  git -C "$root" rev-parse --short HEAD 2>/dev/null || { echo unknown; return; }
+  # The page itself is what these checks write.
+  [ -z "$(git -C "$root" status --porcelain -- . ':!docs/checks.md')" ] || echo 'with changes'
 }
 
-# How other projects use the package.
-exports() {
-  "$root/scripts/checks/exports.sh" >"$work/exports.log" 2>&1 ||
-    { tail -n 5 "$work/exports.log"; return 1; }
-  echo "exports: $(tail -n 1 "$work/exports.log")"
+# Prints the row of one check and keeps it as a row of the page; status as the check's.
+run() { # name
+  local log=$work/$1.log start=$SECONDS status=0 verdict=ok finding seconds
+  : >"$log"
+  # shellcheck disable=SC2094
+  finding=$("$root/scripts/checks/$1.sh" 2>>"$log" </dev/null | tee -a "$log" | tail -n 1) || status=$?
+  seconds=$((SECONDS - start))
+  if [ "$status" -ne 0 ]; then
+    verdict=FAILED
+    printf -- '--- the end of build/checks/%s.log:\n' "$1"
+    tail -n 20 "$log"
+    printf -- '---\n'
+  fi
+  printf '%-18s %-6s %5d s  %s\n' "$1" "$verdict" "$seconds" "$finding"
+  # shellcheck disable=SC2016
+  printf '| `%s` | %s | %d | %s, %s | %s |\n' "$1" "$verdict" "$seconds" "$(date +%F)" \
+    "$(commit | paste -sd' ')" "${finding//|/\\|}" >"$work/$1.row"
+  return "$status"
+}
+
+write_page() {
+  local page=$root/docs/checks.md table=$work/table.md name
+  local begin='<!-- table: scripts/check_all.sh -->' end='<!-- end of the table -->'
+  {
+    # shellcheck source=/dev/null
+    printf '%s, %d cores, %s.\n\n' "$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | sort -u | paste -sd,)" \
+      "$(nproc)" "$(. /etc/os-release && echo "$PRETTY_NAME")"
+    printf '| check | result | seconds | when, commit | finding |\n| --- | --- | --- | --- | --- |\n'
+    for name in "${known[@]}"; do
+      # shellcheck disable=SC2016
+      cat "$work/$name.row" 2>/dev/null || printf '| `%s` | not run | | | |\n' "$name"
+    done
+  } >"$table"
+  awk -v begin="$begin" -v end="$end" -v table="$table" '
+    $0 == end { print ""; inside = 0; found = 1 }
+    !inside { print }
+    $0 == begin { print ""; while ((getline line < table) > 0) print line; inside = 1 }
+    END { exit !found || inside }' "$page" >"$work/checks.md" || {
+    echo "check_all: docs/checks.md lacks the lines $begin and $end; put them back" >&2
+    return 1
+  }
+  cat "$work/checks.md" >"$page"
 }
 
 passed=0 failed=0
-if exports; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
-for k in 1 0.9 0.37 0.2; do
-  if calibrated "$k"; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+for name in "${names[@]}"; do
+  if run "$name"; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 done
+[ "$write" = no ] || write_page
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

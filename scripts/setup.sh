@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs what the package needs to build, run and be tested, and nothing that is there already.
 # Sourced it sets the environment too. Its argument:
-#   --run    what building and running need
-#   --tests  what the tests need besides (as without an argument)
+#   --run        what building and running need
+#   --tests      what the tests need besides (as without an argument)
 #   --benchmark  what scripts/benchmark.sh needs besides --run
+#   --checks     what scripts/check_all.sh needs besides --tests
 # Debian 12 (ROS from Debian's own packages) or Ubuntu 20.04 (ROS Noetic, /opt/ros/noetic).
 
 setup_fail() {
@@ -11,7 +12,7 @@ setup_fail() {
   return 1
 }
 
-setup_packages() { # tests: yes or no; benchmark: yes or no
+setup_packages() { # tests, benchmark, checks: yes or no each
   local id version
   # shellcheck source=/dev/null
   id=$(. /etc/os-release && printf '%s' "$ID")
@@ -43,6 +44,8 @@ setup_packages() { # tests: yes or no; benchmark: yes or no
   [ "$1" = no ] || printf '%s\n' libgtest-dev clang-format parallel
   # The Octave of Debian and Ubuntu holds octave-cli.
   [ "$2" = no ] || printf '%s\n' libbenchmark-dev octave util-linux
+  [ "$3" = no ] || printf '%s\n' catkin-lint clang clang-tidy g++-aarch64-linux-gnu \
+    g++-arm-linux-gnueabihf pyflakes3 python3-sympy qemu-user shellcheck util-linux valgrind
 }
 
 setup_missing() { # packages... ; prints those that are not installed
@@ -65,14 +68,15 @@ setup_apt() {
 }
 
 setup_main() {
-  local tests benchmark=no list
+  local tests benchmark=no checks=no list
   local -a packages missing
   case "${1:---tests}" in
     --run) tests=no ;;
     --tests) tests=yes ;;
     --benchmark) tests=no benchmark=yes ;;
+    --checks) tests=yes checks=yes ;;
     *)
-      setup_fail "unknown argument $1 (usage: setup.sh [--run | --tests | --benchmark])"
+      setup_fail "unknown argument $1 (usage: setup.sh [--run | --tests | --benchmark | --checks])"
       return 1
       ;;
   esac
@@ -80,7 +84,7 @@ setup_main() {
     setup_fail "apt-get is needed (Debian 12 or Ubuntu 20.04)"
     return 1
   }
-  list=$(setup_packages "$tests" "$benchmark") || return 1
+  list=$(setup_packages "$tests" "$benchmark" "$checks") || return 1
   mapfile -t packages <<<"$list"
   list=$(setup_missing "${packages[@]}")
   if [ -n "$list" ]; then
