@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -74,6 +75,13 @@ class OutputFileTest : public ::testing::Test {
   fs::path folder_ = fs::temp_directory_path() / ("ring_gyro_output_" + std::to_string(getpid()));
   mode_t umask_;
 };
+
+TEST_F(OutputFileTest, ReplacesAFileOfMoreThanTwoGibibytes) {
+  make("large", "before");
+  fs::resize_file(at("large"), std::uintmax_t{3} << 30);  // a hole, of no size on the disk
+  write("large", "after");
+  EXPECT_EQ(contents(at("large")), "after");
+}
 
 TEST_F(OutputFileTest, FollowsALinkWhateverItsForm) {
   make("target", "before");
