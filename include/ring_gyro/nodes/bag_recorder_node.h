@@ -23,7 +23,7 @@ namespace ring_gyro::nodes {
 class BagRecorderNode {
  public:
   /// Throws ConfigurationError without a file name, std::runtime_error when it cannot be written.
-  BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+  BagRecorderNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                   const bridge::NodeConfiguration& configuration, NodeHost host);
   ~BagRecorderNode();
   BagRecorderNode(const BagRecorderNode&) = delete;

@@ -30,7 +30,7 @@ namespace ring_gyro::nodes {
 class PlantSimulatorNode {
  public:
   /// Throws std::invalid_argument naming what cannot be used.
-  PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+  PlantSimulatorNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                      const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:
