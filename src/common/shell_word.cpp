@@ -14,7 +14,7 @@ bool isPlain(char c) {
 }  // namespace
 
 std::string shellWord(const std::string& path) {
-  const std::string name = !path.empty() && path[0] == '-' ? "./" + path : path;
+  std::string name = !path.empty() && path[0] == '-' ? "./" + path : path;
   if (!name.empty() && std::all_of(name.begin(), name.end(), isPlain)) return name;
   std::string word = "'";
   for (const char c : name) {

@@ -328,7 +328,8 @@ void LogImporter::take(const LogRow& row, const std::string& place) {
     counts_.missing_rows += static_cast<std::uint64_t>(step - 1);
     counts_.duration += static_cast<double>(step) * clock_->period();
   }
-  const double blocks = static_cast<double>(row_index_ / rows_per_block_ - first_block_);
+  const std::int64_t whole_blocks = row_index_ / rows_per_block_ - first_block_;
+  const double blocks = static_cast<double>(whole_blocks);
   const double end =
       1e-9 * (static_cast<double>(origin_ns_) + blocks * static_cast<double>(duration_ns_));
   if (!(end < kLatestTime)) {

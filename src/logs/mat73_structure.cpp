@@ -25,6 +25,7 @@ class Handle {
   }
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
+  // NOLINTNEXTLINE(google-explicit-constructor): a handle is what the calls of HDF5 take
   operator hid_t() const { return id_; }
   bool ok() const { return id_ >= 0; }
 

@@ -38,9 +38,10 @@ const std::string& fileName(const cvg::NodeParameters& parameters) {
 
 }  // namespace
 
-BagRecorderNode::BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle /*private_handle*/,
+BagRecorderNode::BagRecorderNode(const ros::NodeHandle& handle,
+                                 const ros::NodeHandle& /*private_handle*/,
                                  const bridge::NodeConfiguration& configuration, NodeHost host)
-    : handle_(std::move(handle)),
+    : handle_(handle),
       host_(std::move(host)),
       period_blocks_(configuration.loop.periodBlocks()),
       period_ns_(static_cast<std::int64_t>(period_blocks_ - 1) *

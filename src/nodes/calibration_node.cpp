@@ -39,9 +39,10 @@ const bridge::NodeConfiguration& checked(const bridge::NodeConfiguration& config
 
 }  // namespace
 
-CalibrationNode::CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+CalibrationNode::CalibrationNode(const ros::NodeHandle& handle,
+                                 const ros::NodeHandle& private_handle,
                                  const bridge::NodeConfiguration& configuration, NodeHost host)
-    : handle_(std::move(handle)),
+    : handle_(handle),
       parameters_(checked(configuration).node),
       device_(configuration.loop.device),
       host_(std::move(host)),

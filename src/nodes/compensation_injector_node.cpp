@@ -13,11 +13,11 @@
 
 namespace ring_gyro::nodes {
 
-CompensationInjectorNode::CompensationInjectorNode(ros::NodeHandle handle,
+CompensationInjectorNode::CompensationInjectorNode(const ros::NodeHandle& handle,
                                                    ros::NodeHandle private_handle,
                                                    const bridge::NodeConfiguration& configuration,
                                                    NodeHost host)
-    : handle_(std::move(handle)),
+    : handle_(handle),
       period_blocks_(configuration.loop.periodBlocks()),
       block_duration_ns_(configuration.loop.converter.blockDurationNanoseconds()),
       injector_(configuration.loop.device, configuration.loop.compensation,

@@ -28,9 +28,10 @@ void addDecisions(diagnostic_updater::DiagnosticStatusWrapper& status, const std
 
 }  // namespace
 
-ControlLoopsNode::ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+ControlLoopsNode::ControlLoopsNode(const ros::NodeHandle& handle,
+                                   const ros::NodeHandle& private_handle,
                                    const bridge::NodeConfiguration& configuration, NodeHost host)
-    : handle_(std::move(handle)),
+    : handle_(handle),
       parameters_(configuration.node),
       host_(std::move(host)),
       angular_gain_(configuration.loop.device.angular_gain),

@@ -13,9 +13,10 @@
 
 namespace ring_gyro::nodes {
 
-EkfIdentifierNode::EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+EkfIdentifierNode::EkfIdentifierNode(const ros::NodeHandle& handle,
+                                     const ros::NodeHandle& private_handle,
                                      const bridge::NodeConfiguration& configuration, NodeHost host)
-    : handle_(std::move(handle)),
+    : handle_(handle),
       host_(std::move(host)),
       configuration_(configuration.loop),
       parameters_(configuration.node),

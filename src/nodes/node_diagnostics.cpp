@@ -4,8 +4,9 @@
 
 namespace ring_gyro::nodes {
 
-NodeDiagnostics::NodeDiagnostics(ros::NodeHandle& handle, ros::NodeHandle& private_handle,
-                                 const std::string& node, Report report)
+NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& handle,
+                                 const ros::NodeHandle& private_handle, const std::string& node,
+                                 Report report)
     : updater_(handle, private_handle, node) {
   updater_.setHardwareID("ring_gyro");
   updater_.add("state", std::move(report));

@@ -36,10 +36,11 @@ bool isFinite(const cvg::DisplacementBlock& block) {
 
 }  // namespace
 
-PlantSimulatorNode::PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+PlantSimulatorNode::PlantSimulatorNode(const ros::NodeHandle& handle,
+                                       const ros::NodeHandle& private_handle,
                                        const bridge::NodeConfiguration& configuration,
                                        NodeHost host)
-    : handle_(std::move(handle)),
+    : handle_(handle),
       parameters_(configuration.node),
       host_(std::move(host)),
       duration_(configuration.loop.run.duration),

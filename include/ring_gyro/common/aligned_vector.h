@@ -15,6 +15,7 @@ struct RegisterAllocator {
 
   RegisterAllocator() = default;
   template <typename U>
+  // NOLINTNEXTLINE(google-explicit-constructor): containers convert their allocators
   RegisterAllocator(const RegisterAllocator<U>&) {}
 
   T* allocate(std::size_t count) {

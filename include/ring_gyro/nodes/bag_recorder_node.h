@@ -24,7 +24,7 @@ class BagRecorderNode {
  public:
   /// Throws ConfigurationError without a file name, std::runtime_error when the file cannot be
   /// written.
-  BagRecorderNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+  BagRecorderNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                   const bridge::NodeConfiguration& configuration, NodeHost host);
   ~BagRecorderNode();
   BagRecorderNode(const BagRecorderNode&) = delete;

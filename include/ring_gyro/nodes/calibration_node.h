@@ -34,7 +34,7 @@ class CalibrationNode {
  public:
   /// Throws ConfigurationError or std::invalid_argument, naming a parameter that cannot be used,
   /// and std::runtime_error when the file cannot be written.
-  CalibrationNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+  CalibrationNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                   const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:

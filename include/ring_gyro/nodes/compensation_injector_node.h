@@ -30,7 +30,7 @@ namespace ring_gyro::nodes {
 class CompensationInjectorNode {
  public:
   /// Throws std::invalid_argument, naming a parameter that cannot be used.
-  CompensationInjectorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+  CompensationInjectorNode(const ros::NodeHandle& handle, ros::NodeHandle private_handle,
                            const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:

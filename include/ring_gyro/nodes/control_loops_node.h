@@ -41,7 +41,7 @@ namespace ring_gyro::nodes {
 class ControlLoopsNode {
  public:
   /// Throws std::invalid_argument, naming a parameter that cannot be used.
-  ControlLoopsNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+  ControlLoopsNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                    const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:

@@ -28,7 +28,7 @@ class EkfIdentifierNode {
  public:
   /// Throws std::invalid_argument, naming a parameter that cannot be used, and std::runtime_error
   /// when the report cannot be written.
-  EkfIdentifierNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+  EkfIdentifierNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                     const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:

@@ -16,8 +16,8 @@ class NodeDiagnostics {
   using Report = std::function<void(diagnostic_updater::DiagnosticStatusWrapper&)>;
 
   /// `node`: full name of the node; `report` fills in level, message and values.
-  NodeDiagnostics(ros::NodeHandle& handle, ros::NodeHandle& private_handle, const std::string& node,
-                  Report report);
+  NodeDiagnostics(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                  const std::string& node, Report report);
 
  private:
   diagnostic_updater::Updater updater_;

@@ -31,7 +31,7 @@ namespace ring_gyro::nodes {
 class PlantSimulatorNode {
  public:
   /// Throws std::invalid_argument, naming a parameter that cannot be used.
-  PlantSimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+  PlantSimulatorNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                      const bridge::NodeConfiguration& configuration, NodeHost host);
 
  private:

@@ -23,6 +23,7 @@ class StateCovariance {
  public:
   StateCovariance() = default;  ///< zero
   StateCovariance(const StateCovariance& other) : matrix_(other.matrix()) {}
+  // NOLINTNEXTLINE(bugprone-unhandled-self-assignment): the filter is not owned
   StateCovariance& operator=(const StateCovariance& other) {
     matrix_ = other.matrix();
     filter_ = nullptr;
