@@ -97,8 +97,9 @@ RingDown recordRingDown(const PlantParameters& plant, const ConverterParameters&
     for (int n = 0; n < ring_up; ++n) bench.step(along(axis, sweep.drive), sweep.centre);
     constexpr int kFilterBlocks = 4;  // whose windows reach back to the drive
     for (int n = 0; n < kFilterBlocks; ++n) bench.step(along(axis, 0.0), sweep.centre);
-    std::vector<Eigen::Vector2cd> run;
     const int blocks = bench.blocks(sweep.ring_down_time);
+    std::vector<Eigen::Vector2cd> run;
+    run.reserve(static_cast<std::size_t>(blocks));
     for (int n = 0; n < blocks; ++n) run.push_back(bench.step(along(axis, 0.0), sweep.centre));
     ring_down.runs.push_back(std::move(run));
   }
