@@ -15,6 +15,7 @@ namespace ring_gyro::bridge {
 RecordedRun readRecordedRun(const std::vector<std::string>& paths, const LoopTopics& topics,
                             double start, double duration) {
   std::vector<LoopBag> bags;
+  bags.reserve(paths.size());
   for (const std::string& path : paths) bags.emplace_back(path, topics);
   if (bags.empty()) throw BagError("no bag to read");
   std::stable_sort(bags.begin(), bags.end(),

@@ -98,8 +98,9 @@ RingDown recordRingDown(const PlantParameters& plant, const ConverterParameters&
     for (int n = 0; n < ring_up; ++n) bench.step(along(axis, sweep.drive), sweep.centre);
     constexpr int kFilterBlocks = 4;  // blocks whose filter windows still contain driven samples
     for (int n = 0; n < kFilterBlocks; ++n) bench.step(along(axis, 0.0), sweep.centre);
-    std::vector<Envelope> run;
     const int blocks = bench.blocks(sweep.ring_down_time);
+    std::vector<Envelope> run;
+    run.reserve(static_cast<std::size_t>(blocks));
     for (int n = 0; n < blocks; ++n) run.push_back(bench.step(along(axis, 0.0), sweep.centre));
     ring_down.runs.push_back(std::move(run));
   }
