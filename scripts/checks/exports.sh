@@ -7,9 +7,9 @@
 # with everything that they were built from out of sight. The last line says what was found.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-work=$root/build/checks/exports
-rm -rf "$work"
-mkdir -p "$work"
+# Not in the package: roslaunch and rosrun would find what is installed there a second time.
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
 
 # Of the caller's environment only what ccache is told.
 mapfile -t ccache < <(env | grep '^CCACHE_')
