@@ -5,7 +5,8 @@
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 work=$root/build/checks/thread_sanitizer
-cmake -S "$root" -B "$work" -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="-O1 -g1" \
+# The fences that GCC warns of are in headers of Boost.Asio.
+cmake -S "$root" -B "$work" -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="-O1 -g1 -Wno-tsan" \
   -DRING_GYRO_SANITIZE=thread -DCATKIN_ENABLE_TESTING=OFF -DPYTHON_EXECUTABLE=/usr/bin/python3 \
   -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
 cmake --build "$work" --parallel "$(nproc)" --target ring_gyro_nodelets bag_recorder_node nodelet_loader
